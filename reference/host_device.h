@@ -1,0 +1,12 @@
+/// SCOTTY_HD marks what a kernel may call: host and device code under nvcc, plain C++ elsewhere.
+///
+/// Headers that carry it keep to a C++17 subset without containers and exceptions, and to the exact
+/// arithmetic set of docs/design.md (add, multiply, divide, square root, explicit fma), so that CPU
+/// and GPU agree bit for bit.
+#pragma once
+
+#if defined(__CUDACC__)
+#define SCOTTY_HD __host__ __device__ inline
+#else
+#define SCOTTY_HD inline
+#endif
