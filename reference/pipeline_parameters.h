@@ -1,0 +1,75 @@
+/// Every knob of the pipeline in one plain struct, recorded with whatever comes out of it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace scotty::reference {
+
+/// When a ray stops being pushed on, given the nearest hit known so far (the report's "early out").
+enum class EarlyOut {
+    off,       ///< never: every box overlapped is visited
+    level,     ///< by the minimum as of the end of the level before: deterministic
+    immediate  ///< by the minimum at this moment, while other blocks lower it: never wrong, only late
+};
+
+/// Which rays a block takes: its linear index, or the report's 2-D grid that spreads neighbouring
+/// blocks over different nodes ("block striding").
+enum class BlockOrder { linear, strided };
+
+/// How hits of concurrent leaves come together.
+enum class HitMode {
+    buffer,  ///< the report's multi-intersection buffer, one atomicAdd a hit, merged afterwards
+    packed   ///< one 64-bit atomicMin of (t, primitive) a hit
+};
+
+/// What a shadow query asks for.
+enum class ShadowQuery {
+    any,     ///< is anything in the way: a ray is done with its first hit (under an early-out)
+    closest  ///< the report's: a closest-hit traversal up to the light
+};
+
+enum class Filter { none, gaussian, bilateral, median };
+
+struct PipelineParameters {
+    std::uint32_t image_width = 256;   ///< pixels, 1..65536
+    std::uint32_t image_height = 256;  ///< pixels, 1..65536
+    std::uint32_t spp = 4;             ///< samples per pixel, 1..2^20
+    std::uint32_t bounces = 2;         ///< scatterings after the primary hit, 0..64
+    std::uint32_t light_samples = 2;   ///< direct-light rays per path vertex, 0..64
+    std::uint64_t seed = 0;
+
+    int width = 8;            ///< children a node: 2, 4, 8 or 16
+    int rays_per_block = 64;  ///< threads a block: 32..1024, a multiple of 32
+    int max_leaf_size = 4;    ///< triangles a leaf, 1..64
+    EarlyOut early_out = EarlyOut::level;
+    BlockOrder block_order = BlockOrder::linear;
+    HitMode hit_mode = HitMode::buffer;
+    ShadowQuery shadow_query = ShadowQuery::any;
+    /// Slots a ray in the multi-intersection buffer at first; grown when a ray needs more.
+    std::uint32_t hit_capacity = 8;  ///< 1..65536
+    /// Rays in flight at once. Images larger than that are rendered in batches, with the same bits.
+    std::uint32_t batch_rays = 1u << 18;  ///< 1..2^28
+
+    Filter filter = Filter::none;
+    std::uint32_t filter_threshold = 32;  ///< a filter is applied only below so many spp (report)
+};
+
+/// Throws bad_input naming the parameter, its value and what is allowed. Also refuses an image
+/// whose pixels alone would not fit in a sensible memory (over 2^28 pixels).
+void validate(const PipelineParameters& parameters);
+
+const char* to_string(EarlyOut value);
+const char* to_string(BlockOrder value);
+const char* to_string(HitMode value);
+const char* to_string(ShadowQuery value);
+const char* to_string(Filter value);
+/// Inverse of to_string; throws bad_input naming the valid words.
+EarlyOut parse_early_out(const std::string& word);
+BlockOrder parse_block_order(const std::string& word);
+HitMode parse_hit_mode(const std::string& word);
+ShadowQuery parse_shadow_query(const std::string& word);
+Filter parse_filter(const std::string& word);
+
+}  // namespace scotty::reference
