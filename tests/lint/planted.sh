@@ -1,0 +1,81 @@
+# planted.sh CLANG_FORMAT CLANG_TIDY: a check that was never seen to fail proves nothing. In a checkout of its own,
+# every check passes on a clean file, then fails on one planted violation and names the file.
+source "$(dirname "$0")/common.sh"
+clang_format=$1 clang_tidy=$2
+lint=$PWD/tests/lint
+
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cp .clang-format .clang-tidy "$folder"
+cd "$folder"
+git init -q
+mkdir -p reference build
+
+clean() {
+    cat >reference/length.h <<'TEXT'
+#pragma once
+inline float length_squared(float x, float y) { return x * x + y * y; }
+TEXT
+    cat >reference/length.cpp <<'TEXT'
+#include "reference/length.h"
+
+float twice(float x) { return length_squared(x, x); }
+TEXT
+    git add -f .clang-format reference
+    cat >build/compile_commands.json <<TEXT
+[ { "directory": "$folder/build",
+    "command": "c++ -I$folder -std=c++20 -o length.o -c $folder/reference/length.cpp",
+    "file": "$folder/reference/length.cpp" } ]
+TEXT
+}
+
+passes() {
+    local output
+    output=$(bash "$lint/$1" "${@:2}" 2>&1) || {
+        printf '%s\n' "$* fails on a clean checkout:" "$output"
+        exit 1
+    }
+}
+
+# fails_naming TEXT SCRIPT ARGUMENT...
+fails_naming() {
+    local output status=0
+    git add -f reference
+    output=$(bash "$lint/$2" "${@:3}" 2>&1) || status=$?
+    if ((status == 0 || status == 77)) || [[ $output != *"$1"* ]]; then
+        printf '%s\n' "$2 was to fail and name $1; exit code $status:" "$output"
+        exit 1
+    fi
+    git rm -q -f --cached -r reference
+    rm -rf reference/* && clean
+    echo "seen to fail: $2 ($1)"
+}
+
+clean
+passes format.sh "$clang_format"
+passes machine_paths.sh
+passes sizes.sh
+passes tidy.sh "$clang_tidy" build reference/length.cpp
+
+echo 'float   thrice( float x );' >>reference/length.h
+fails_naming reference/length.h format.sh "$clang_format"
+
+printf '// see /%s/somebody/notes\n' home >>reference/length.h
+fails_naming reference/length.h:3 machine_paths.sh
+
+head -c 524289 /dev/zero >reference/picture.exr
+fails_naming reference/picture.exr sizes.sh
+
+yes '// a line' | head -n 701 >reference/long.h
+fails_naming reference/long.h sizes.sh
+
+# One per family of checks, in the source and in a header.
+echo 'int* none() { return 0; }' >>reference/length.cpp
+fails_naming modernize-use-nullptr tidy.sh "$clang_tidy" build reference/length.cpp
+echo 'inline float Length(float x) { return x; }' >>reference/length.h
+fails_naming 'length.h:3' tidy.sh "$clang_tidy" build reference/length.cpp
+echo 'int half(int x) { if (x > 0); return x / 2; }' >>reference/length.cpp
+fails_naming bugprone-suspicious-semicolon tidy.sh "$clang_tidy" build reference/length.cpp
+echo 'int unfinished( {' >>reference/length.cpp
+fails_naming clang-diagnostic-error tidy.sh "$clang_tidy" build reference/length.cpp
+fails_naming 'not part of the build' tidy.sh "$clang_tidy" build reference/other.cpp
