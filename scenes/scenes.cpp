@@ -1,0 +1,127 @@
+#include "scenes/scenes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <filesystem>
+
+#include "reference/error.h"
+#include "scenes/built_in.h"
+#include "scenes/loaders.h"
+#include "scenes/mesh.h"
+
+namespace scotty::scenes {
+
+using reference::Error;
+using reference::Scene;
+
+namespace {
+
+const std::array<const Generator*, 7>& generators() {
+    static const std::array<const Generator*, 7> table = {&kCornell, &kSpheres, &kCoil,   &kBlob,
+                                                          &kFurnace, &kVeil,    &kSlivers};
+    return table;
+}
+
+const Generator* find_generator(const std::string& name) {
+    for (const Generator* generator : generators()) {
+        if (name == generator->name) return generator;
+    }
+    return nullptr;
+}
+
+std::string lower_extension(const std::string& path) {
+    std::string extension = std::filesystem::path(path).extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return extension;
+}
+
+/// Takes "#camera=file" or "#camera=fit" off the end of a path.
+CameraChoice take_camera_choice(std::string& path) {
+    const std::size_t mark = path.rfind('#');
+    if (mark == std::string::npos || std::filesystem::exists(path)) return CameraChoice::file;
+    const std::string choice = path.substr(mark + 1);
+    const std::string whole = path;
+    path.resize(mark);
+    if (choice == "camera=file") return CameraChoice::file;
+    if (choice == "camera=fit") return CameraChoice::fit;
+    throw Error::bad_input(whole, fmt::format("'#{}' is not understood; expected #camera=file "
+                                              "(the file's own) or #camera=fit (frame everything)",
+                                              choice));
+}
+
+Error unknown_scene(const std::string& specification) {
+    std::string names;
+    for (const Generator* generator : generators()) {
+        names += fmt::format("{}{}", names.empty() ? "" : ", ", generator->name);
+    }
+    return Error::bad_input(
+        fmt::format("scene '{}'", specification),
+        fmt::format("no such scene; built in are {}; or give the path of a .dae, .obj, .ply, "
+                    ".gltf or .glb file",
+                    names));
+}
+
+Scene load_file(const std::string& specification) {
+    std::string path = specification;
+    const CameraChoice camera = take_camera_choice(path);
+    const std::string extension = lower_extension(path);
+    const bool is_collada = extension == ".dae";
+    const bool is_other =
+        extension == ".obj" || extension == ".ply" || extension == ".gltf" || extension == ".glb";
+    std::error_code ignored;
+    const auto status = std::filesystem::status(path, ignored);
+    if (!std::filesystem::exists(status)) {
+        if (!is_collada && !is_other) throw unknown_scene(specification);
+        throw Error::bad_input(path, "no such file");
+    }
+    if (!std::filesystem::is_regular_file(status)) {
+        throw Error::bad_input(path, "expected a scene file, found a directory or device");
+    }
+    if (!is_collada && !is_other) {
+        throw Error::bad_input(path, fmt::format("expected a .dae, .obj, .ply, .gltf or .glb "
+                                                 "file, found the extension '{}'",
+                                                 extension));
+    }
+    Scene scene = is_collada ? load_collada(path, camera) : load_with_assimp(path, camera);
+    scene.name = std::filesystem::path(path).filename().string();
+    return scene;
+}
+
+}  // namespace
+
+const std::vector<BuiltIn>& built_in_scenes() {
+    static const std::vector<BuiltIn> list = [] {
+        std::vector<BuiltIn> all;
+        for (const Generator* generator : generators()) {
+            all.push_back(
+                {generator->name, standard_text(generator->parameters), generator->description});
+        }
+        return all;
+    }();
+    return list;
+}
+
+Scene load_scene(const std::string& specification) {
+    const std::size_t colon = std::min(specification.find(':'), specification.size());
+    const std::string name = specification.substr(0, colon);
+    Scene scene;
+    if (const Generator* generator = find_generator(name)) {
+        const bool has_text = colon + 1 < specification.size();
+        const Parameters parameters(name, has_text ? specification.substr(colon + 1) : "",
+                                    generator->parameters);
+        scene = generator->generate(parameters);
+        scene.name = name;
+    } else {
+        scene = load_file(specification);
+    }
+    finish_normals(scene);
+    scene.source = specification;
+    reference::validate_and_repair(scene);
+    return scene;
+}
+
+}  // namespace scotty::scenes
