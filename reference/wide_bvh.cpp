@@ -1,0 +1,73 @@
+#include "reference/wide_bvh.h"
+
+#include <xxhash.h>
+
+#include <cstddef>
+
+namespace scotty::reference {
+namespace {
+
+template <typename T>
+std::size_t bytes_of(const std::vector<T>& values) {
+    return values.size() * sizeof(T);
+}
+
+/// A streaming hash; lengths are hashed too, so that no two layouts run into each other.
+class Hasher {
+ public:
+    Hasher() : state_(XXH3_createState()) { XXH3_64bits_reset(state_); }
+    ~Hasher() { XXH3_freeState(state_); }
+    Hasher(const Hasher&) = delete;
+    Hasher& operator=(const Hasher&) = delete;
+
+    void add(const void* data, std::size_t bytes) { XXH3_64bits_update(state_, data, bytes); }
+    template <typename T>
+    void add_all(const std::vector<T>& values) {
+        const std::uint64_t size = values.size();
+        add(&size, sizeof size);
+        add(values.data(), bytes_of(values));
+    }
+    std::uint64_t digest() const { return XXH3_64bits_digest(state_); }
+
+ private:
+    XXH3_state_t* state_;
+};
+
+/// A node's last field is followed by padding, which is nobody's.
+template <int Width>
+constexpr std::size_t kBytesOfFields = offsetof(WideNode<Width>, high) + sizeof(float[3]);
+
+template <int Width>
+void add_inner(Hasher& hasher, const std::vector<WideNode<Width>>& inner) {
+    const std::uint64_t size = inner.size();
+    hasher.add(&size, sizeof size);
+    for (const WideNode<Width>& node : inner) hasher.add(&node, kBytesOfFields<Width>);
+}
+
+}  // namespace
+
+std::uint32_t WideBvh::inner_count() const {
+    return std::visit([](const auto& nodes) { return static_cast<std::uint32_t>(nodes.size()); },
+                      inner);
+}
+
+std::uint64_t fingerprint(const WideBvh& bvh) {
+    Hasher hasher;
+    hasher.add(&bvh.width, sizeof bvh.width);
+    std::visit([&](const auto& nodes) { add_inner(hasher, nodes); }, bvh.inner);
+    hasher.add_all(bvh.leaves);
+    hasher.add_all(bvh.triangles);
+    hasher.add_all(bvh.node_refs);
+    hasher.add_all(bvh.parents);
+    hasher.add_all(bvh.level_begins);
+    return hasher.digest();
+}
+
+std::size_t memory_bytes(const WideBvh& bvh) {
+    const std::size_t inner =
+        std::visit([](const auto& nodes) { return bytes_of(nodes); }, bvh.inner);
+    return inner + bytes_of(bvh.leaves) + bytes_of(bvh.triangles) + bytes_of(bvh.node_refs) +
+           bytes_of(bvh.parents) + bytes_of(bvh.level_begins);
+}
+
+}  // namespace scotty::reference
