@@ -36,7 +36,7 @@ enum class TraversalKind { closest, any };
 /// parameters.width. Buffers are kept between calls and grow with the rays in flight
 /// (parameters.batch_rays), not with the image.
 class Pipeline {
-   public:
+ public:
     Pipeline(const reference::Scene& scene, const reference::WideBvh& bvh,
              const reference::PipelineParameters& parameters, const DeviceOptions& device = {},
              reference::StageObserver* observer = nullptr);
@@ -58,7 +58,7 @@ class Pipeline {
     /// Bytes held in device buffers now (rays, queues, hits, path state).
     std::size_t device_bytes() const;
 
-   private:
+ private:
     class State;
     std::unique_ptr<State> state_;
 };

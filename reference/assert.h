@@ -8,15 +8,15 @@
 
 #include "reference/error.h"
 
-#define SCOTTY_ASSERT(left, comparison, right)                                                    \
-    do {                                                                                          \
-        const auto& scotty_left = (left);                                                         \
-        const auto& scotty_right = (right);                                                       \
-        if (!(scotty_left comparison scotty_right)) {                                             \
-            std::ostringstream scotty_text;                                                       \
-            scotty_text << __FILE__ << ":" << __LINE__ << ": broken contract: " #left " " #comparison \
-                                                          " " #right " (" << scotty_left << " vs " \
-                        << scotty_right << ")";                                                   \
-            throw ::scotty::reference::Error::internal(scotty_text.str());                        \
-        }                                                                                         \
+#define SCOTTY_ASSERT(left, comparison, right)                                         \
+    do {                                                                               \
+        const auto& scotty_left = (left);                                              \
+        const auto& scotty_right = (right);                                            \
+        if (!(scotty_left comparison scotty_right)) {                                  \
+            std::ostringstream scotty_text;                                            \
+            scotty_text << __FILE__ << ":" << __LINE__                                 \
+                        << ": broken contract: " #left " " #comparison " " #right " (" \
+                        << scotty_left << " vs " << scotty_right << ")";               \
+            throw ::scotty::reference::Error::internal(scotty_text.str());             \
+        }                                                                              \
     } while (false)

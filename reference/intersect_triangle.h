@@ -73,9 +73,8 @@ SCOTTY_HD ShearedTriangle shear(const RayShear& ray, const Vec3& a, const Vec3& 
 
 /// Hit of the whole line with the triangle, t not yet compared with the ray's interval.
 /// Returns false on a miss and leaves `hit` alone; the primitive id is the caller's.
-SCOTTY_HD bool intersect_triangle_line(const Vec3& origin, const Vec3& inverse,
-                                       const RayShear& ray, const Vec3& v0, const Vec3& v1,
-                                       const Vec3& v2, Hit& hit) {
+SCOTTY_HD bool intersect_triangle_line(const Vec3& origin, const Vec3& inverse, const RayShear& ray,
+                                       const Vec3& v0, const Vec3& v1, const Vec3& v2, Hit& hit) {
     const Vec3 a = v0 - origin;
     const Vec3 b = v1 - origin;
     const Vec3 c = v2 - origin;
@@ -116,7 +115,8 @@ SCOTTY_HD bool intersect_triangle(const Ray& ray, const Vec3& inverse, const Ray
 }
 
 /// Which of two hits wins: the nearer one, the lower primitive id where both are equally near.
-SCOTTY_HD bool closer(float t, std::uint32_t primitive, float than_t, std::uint32_t than_primitive) {
+SCOTTY_HD bool closer(float t, std::uint32_t primitive, float than_t,
+                      std::uint32_t than_primitive) {
     return t < than_t || (t == than_t && primitive < than_primitive);
 }
 

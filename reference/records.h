@@ -25,9 +25,7 @@ struct alignas(16) Ray {
 static_assert(sizeof(Ray) == 32, "two 16-byte loads");
 
 /// A ray that no traversal follows.
-SCOTTY_HD Ray dead_ray() {
-    return {Vec3(0.0f, 0.0f, 0.0f), 0.0f, Vec3(0.0f, 0.0f, 1.0f), -1.0f};
-}
+SCOTTY_HD Ray dead_ray() { return {Vec3(0.0f, 0.0f, 0.0f), 0.0f, Vec3(0.0f, 0.0f, 1.0f), -1.0f}; }
 SCOTTY_HD bool is_dead(const Ray& ray) { return ray.t_max < ray.t_min; }
 
 /// Closest hit: position = (1 - u - v) v0 + u v1 + v v2.
@@ -103,7 +101,8 @@ struct Light {
     Vec3 position{0.0f, 0.0f, 0.0f};  ///< corner of an area light, or the point
     Vec3 edge_x{0.0f, 0.0f, 0.0f};
     Vec3 edge_y{0.0f, 0.0f, 0.0f};
-    /// Unit: the front side of an area light (it emits there only); where a directional light shines to.
+    /// Unit: the front side of an area light (it emits there only); where a directional light
+    /// shines to.
     Vec3 normal{0.0f, 0.0f, 1.0f};
     /// Area, environment: radiance, W/m^2/sr. Point: intensity, W/sr. Directional: irradiance on a
     /// surface that faces it, W/m^2.

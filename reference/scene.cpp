@@ -12,6 +12,9 @@ SceneView view_of(const Scene& scene) {
     view.lights = scene.lights.data();
     view.triangle_count = static_cast<std::uint32_t>(scene.triangles.size());
     view.light_count = static_cast<std::uint32_t>(scene.lights.size());
+    for (const Light& light : scene.lights) {
+        if (light.kind == LightKind::environment) view.environment += light.radiance;
+    }
     view.camera = scene.camera;
     return view;
 }

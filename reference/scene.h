@@ -26,16 +26,18 @@ struct Scene {
     std::vector<std::string> warnings;
 };
 
-/// Plain pointers into a Scene, for kernels. Valid as long as the scene is neither changed nor freed.
+/// Plain pointers into a Scene, for kernels. Valid as long as the scene is neither changed nor
+/// freed.
 struct SceneView {
     const Vec3* vertices = nullptr;
-    const Vec3* normals = nullptr;  ///< null: all flat
+    const Vec3* normals = nullptr;             ///< null: all flat
     const std::uint32_t* triangles = nullptr;  ///< three vertex indices each
     const std::uint32_t* material_of = nullptr;
     const Material* materials = nullptr;
     const Light* lights = nullptr;
     std::uint32_t triangle_count = 0;
     std::uint32_t light_count = 0;
+    Vec3 environment{0.0f, 0.0f, 0.0f};  ///< radiance of all environment lights together
     Camera camera;
 };
 
@@ -46,7 +48,8 @@ SceneView view_of(const Scene& scene);
 /// not finite or beyond kMaxCoordinate, a material index out of range, a material or light value
 /// that is not finite, negative or above its range, a camera that is not orthonormal or finite.
 /// Repairs (a line in `warnings` with the count): normals that are not finite or unit length,
-/// zero-area triangles (kept: they have no interior to hit), no light and no emission (the picture is black).
+/// zero-area triangles (kept: they have no interior to hit), no light and no emission (the picture
+/// is black).
 void validate_and_repair(Scene& scene);
 
 /// Hash of all that influences a picture; the same for equal scenes on every machine.

@@ -1,0 +1,78 @@
+/// The host side of one breadth-first traversal: queues, launches, growth.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "emulation/device.h"
+#include "emulation/device_buffer.h"
+#include "emulation/launch_log.h"
+#include "emulation/pipeline.h"
+#include "emulation/views.h"
+#include "reference/pipeline_parameters.h"
+#include "reference/wide_bvh.h"
+
+namespace scotty::emulation {
+
+/// Traverses batches of rays through one BVH, level by level. Buffers are kept between calls.
+class Traversal {
+ public:
+    Traversal(const reference::Scene& scene, const reference::WideBvh& bvh,
+              const reference::PipelineParameters& parameters, Device& device, LaunchLog& log);
+
+    /// One hit per ray into `merged`. `place` names the stages; its level is set here.
+    /// Throws bad_input naming stage and sizes where a queue or hit buffer cannot grow further.
+    void run(std::span<const reference::Ray> rays, TraversalKind kind, StagePlace place,
+             std::span<reference::Hit> merged);
+
+    std::size_t device_bytes() const;
+
+ private:
+    void reset(std::span<const reference::Ray> rays, TraversalKind kind);
+    void run_levels(StagePlace place);
+    void scan(const StagePlace& place);
+    void intersect_level(const StagePlace& place);
+    template <int Width>
+    void launch_level(std::uint32_t level, std::uint32_t blocks, std::uint32_t grid_side);
+    void check_queues(const StagePlace& place);
+    void publish_minimum(const StagePlace& place);
+    bool grow_hits(const StagePlace& place);
+    void merge(const StagePlace& place, std::span<reference::Hit> merged);
+    void show_level(const StagePlace& place, reference::StageKind kind, std::uint32_t blocks);
+    void show_hits(reference::StageView& stage, bool as_input) const;
+
+    LevelView level_view(std::uint32_t level);
+    HitView hit_view();
+    MinimumView minimum_view();
+    std::uint32_t level_nodes(std::uint32_t level) const {
+        return level < bvh_.level_count() ? bvh_.level_begins[level + 1] - bvh_.level_begins[level]
+                                          : 0;
+    }
+
+    const reference::Scene& scene_;
+    const reference::WideBvh& bvh_;
+    const reference::PipelineParameters& parameters_;
+    Device& device_;
+    LaunchLog& log_;
+    std::vector<std::uint32_t> parent_positions_;  ///< by node id: parent's position in its level
+
+    std::span<const reference::Ray> rays_;
+    TraversalKind kind_ = TraversalKind::closest;
+    std::uint64_t entries_ = 0;  ///< in this level's queues
+
+    DeviceBuffer<std::uint32_t> node_counts_, child_counts_;
+    DeviceBuffer<std::uint32_t> queue_offsets_, child_offsets_;
+    DeviceBuffer<std::uint32_t> block_offsets_;
+    DeviceBuffer<std::uint32_t> queue_, child_queue_;
+    std::uint32_t queue_overflow_ = 0;
+
+    std::uint32_t hit_capacity_;
+    std::uint32_t hits_needed_ = 0;
+    DeviceBuffer<std::uint32_t> hit_counts_;
+    DeviceBuffer<reference::HitCandidate> candidates_;
+    DeviceBuffer<std::uint64_t> packed_;
+    DeviceBuffer<float> minimum_, lowered_;
+};
+
+}  // namespace scotty::emulation

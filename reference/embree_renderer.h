@@ -1,0 +1,19 @@
+/// The pipeline's paths through somebody else's traversal.
+#pragma once
+
+#include "reference/image.h"
+#include "reference/pipeline_parameters.h"
+#include "reference/scene.h"
+#include "reference/tracers.h"
+
+namespace scotty::reference {
+
+/// Renders path by path: the same random numbers and shading, in a plain loop, with Embree finding
+/// the primitives. No queues, no levels, no batches: what it shares with the pipelines are the
+/// functions of path.h. Where Embree and we name the same primitive the distance and barycentrics
+/// are ours, so the image is equal bit for bit except in pixels where Embree sees another hit.
+/// Filters are not applied. `threads` 0: all.
+Image render_with_embree(const Scene& scene, const PipelineParameters& parameters,
+                         const EmbreeTracer& tracer, std::size_t threads = 0);
+
+}  // namespace scotty::reference
