@@ -20,6 +20,7 @@
 
 namespace scotty::emulation {
 
+using reference::buffer_view;
 using reference::Filter;
 using reference::Hit;
 using reference::PipelineParameters;

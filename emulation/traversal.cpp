@@ -15,6 +15,7 @@
 
 namespace scotty::emulation {
 
+using reference::buffer_view;
 using reference::EarlyOut;
 using reference::HitMode;
 using reference::StageKind;
