@@ -66,7 +66,7 @@ fails_naming reference/length.h:3 machine_paths.sh
 head -c 524289 /dev/zero >reference/picture.exr
 fails_naming reference/picture.exr sizes.sh
 
-yes '// a line' | head -n 701 >reference/long.h
+seq -f '// line %g' 701 >reference/long.h
 fails_naming reference/long.h sizes.sh
 
 # One per family of checks, in the source and in a header.
