@@ -1,5 +1,6 @@
-#include <tbb/global_control.h>
 #include <catch2/catch.hpp>
+
+#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
