@@ -1,10 +1,202 @@
+#include <cstring>
+#include <map>
+
 #include "reference/error.h"
+#include "scenes/collada_parts.h"
+#include "scenes/file_scene.h"
 #include "scenes/loaders.h"
+#include "scenes/mesh.h"
 
 namespace scotty::scenes {
 
-reference::Scene load_collada(const std::string& path, CameraChoice) {
-    throw reference::Error::bad_input(path, "COLLADA is not read yet");
+using reference::Scene;
+
+namespace {
+
+constexpr int kMaxDepth = 256;
+constexpr const char* kDefaultMaterial = "";
+
+/// Walks the node tree and fills a Scene.
+class ColladaLoader {
+ public:
+    explicit ColladaLoader(const std::string& path) : document_(path) {}
+
+    Scene load(CameraChoice choice) {
+        const pugi::xml_node root = document_.root();
+        note_libraries(root);
+        const Affine base = base_transform(root.child("asset"));
+        const pugi::xml_node visual = visual_scene(root);
+        for (const pugi::xml_node node : visual.children("node")) walk(node, base, 0);
+        if (scene_.triangles.empty()) {
+            throw document_.error(visual, "no triangles in any of its nodes, nothing to render");
+        }
+        if (turned_ != 0) {
+            notes_.add(
+                "a triangle's winding and normals disagree: the winding says which side is "
+                "the front",
+                turned_);
+        }
+        settle_emission(scene_, notes_);
+        light_if_dark(scene_, notes_);
+        settle_camera(scene_, camera_, choice, notes_);
+        notes_.write_to(scene_.warnings);
+        return std::move(scene_);
+    }
+
+ private:
+    void note_libraries(pugi::xml_node root) {
+        for (const pugi::xml_node library : root.children("library_animations")) {
+            for (const pugi::xml_node animation : library.children("animation")) {
+                static_cast<void>(animation);
+                notes_.add("an animation is not supported: the scene stands still");
+            }
+        }
+    }
+
+    /// To y up and metres. The axes change places exactly, so that no coordinate is rounded.
+    Affine base_transform(pugi::xml_node asset) const {
+        const std::string up = asset.child("up_axis").text().as_string("Y_UP");
+        const pugi::xml_attribute metres = asset.child("unit").attribute("meter");
+        const double scale = metres ? metres.as_double() : 1.0;
+        if (!(scale > 0.0) || !std::isfinite(scale)) {
+            throw document_.error(asset.child("unit"), fmt::format("meter: expected more than 0, "
+                                                                   "found '{}'",
+                                                                   metres.value()));
+        }
+        Affine out;
+        if (up == "Z_UP") {
+            out.m = {{{scale, 0, 0, 0}, {0, 0, scale, 0}, {0, -scale, 0, 0}}};
+        } else if (up == "X_UP") {
+            out.m = {{{0, -scale, 0, 0}, {scale, 0, 0, 0}, {0, 0, scale, 0}}};
+        } else if (up == "Y_UP") {
+            out.m = {{{scale, 0, 0, 0}, {0, scale, 0, 0}, {0, 0, scale, 0}}};
+        } else {
+            throw document_.error(asset.child("up_axis"),
+                                  fmt::format("expected X_UP, Y_UP or Z_UP, found '{}'", up));
+        }
+        return out;
+    }
+
+    pugi::xml_node visual_scene(pugi::xml_node root) const {
+        if (const pugi::xml_node instance = root.child("scene").child("instance_visual_scene")) {
+            return document_.target(instance, "url", "visual_scene");
+        }
+        const pugi::xml_node first = root.child("library_visual_scenes").child("visual_scene");
+        if (!first) throw document_.error(root, "expected a <visual_scene>, found none");
+        return first;
+    }
+
+    void walk(pugi::xml_node node, const Affine& above, int depth) {
+        if (depth > kMaxDepth) {
+            throw document_.error(
+                node, fmt::format("nodes more than {} deep, or in a circle", kMaxDepth));
+        }
+        const Affine place = above * read_transform(document_, node, notes_);
+        for (const pugi::xml_node child : node.children()) {
+            const std::string kind = child.name();
+            if (kind == "node") {
+                walk(child, place, depth + 1);
+            } else if (kind == "instance_node") {
+                walk(document_.target(child, "url", "node"), place, depth + 1);
+            } else if (kind == "instance_geometry") {
+                add_instance(child, place);
+            } else if (kind == "instance_light") {
+                const auto element = document_.target(child, "url", "light");
+                const auto light = read_light(document_, element, place, notes_);
+                if (light) scene_.lights.push_back(*light);
+            } else if (kind == "instance_camera") {
+                take_camera(child, place);
+            } else if (kind == "instance_controller") {
+                notes_.add("a skinned or morphed mesh is not supported: left out");
+            }
+        }
+    }
+
+    void take_camera(pugi::xml_node instance, const Affine& place) {
+        if (camera_) {
+            notes_.add("a further camera: the first one is used");
+            return;
+        }
+        const pugi::xml_node element = document_.target(instance, "url", "camera");
+        camera_ = read_camera(document_, element, place, notes_);
+    }
+
+    /// Material index for a part's symbol, by the bindings of its instance.
+    std::uint32_t bound_material(pugi::xml_node instance, const std::string& symbol) {
+        const pugi::xml_node bindings = instance.child("bind_material").child("technique_common");
+        pugi::xml_node binding =
+            bindings.find_child_by_attribute("instance_material", "symbol", symbol.c_str());
+        // Analytic spheres and some meshes name no symbol: the first binding is meant.
+        if (!binding && symbol.empty()) binding = bindings.child("instance_material");
+        if (!binding) {
+            notes_.add("a mesh without material: grey 0.5");
+            return material(kDefaultMaterial, {});
+        }
+        const pugi::xml_node element = document_.target(binding, "target", "material");
+        return material(element.attribute("id").value(), element);
+    }
+
+    std::uint32_t material(const std::string& id, pugi::xml_node element) {
+        const auto known = materials_.find(id);
+        if (known != materials_.end()) return known->second;
+        const std::uint32_t index =
+            element ? add_material(scene_, read_material(document_, element, notes_))
+                    : add_diffuse(scene_, Vec3(0.5f, 0.5f, 0.5f));
+        materials_.emplace(id, index);
+        return index;
+    }
+
+    const ColladaMesh& mesh(pugi::xml_node geometry) {
+        const std::string id = geometry.attribute("id").value();
+        const auto known = meshes_.find(id);
+        if (known != meshes_.end()) return known->second;
+        return meshes_.emplace(id, read_geometry(document_, geometry, notes_)).first->second;
+    }
+
+    void add_instance(pugi::xml_node instance, const Affine& place) {
+        const ColladaMesh& shape = mesh(document_.target(instance, "url", "geometry"));
+        const auto base = static_cast<std::uint32_t>(scene_.vertices.size());
+        if (scene_.vertices.size() + shape.positions.size() >= reference::kNone) {
+            throw document_.error(instance, "more vertices than 32 bits can number");
+        }
+        for (std::size_t i = 0; i < shape.positions.size(); ++i) {
+            add_vertex(scene_, rounded(place.point(shape.positions[i])),
+                       rounded(place.normal(shape.normals[i])));
+        }
+        // A mirroring transform turns triangles over: back again, so that fronts stay fronts.
+        const bool mirrored = place.determinant() < 0.0;
+        for (const ColladaMesh::Part& part : shape.parts) {
+            const std::uint32_t index = bound_material(instance, part.symbol);
+            for (auto [a, b, c] : part.triangles) {
+                if (mirrored) std::swap(b, c);
+                add_triangle(scene_, base + a, base + b, base + c, index);
+                turned_ += disagrees(scene_.triangles.back()) ? 1u : 0u;
+            }
+        }
+    }
+
+    bool disagrees(const std::array<std::uint32_t, 3>& triangle) const {
+        const auto& [a, b, c] = triangle;
+        const Vec3& corner = scene_.vertices[a];
+        const Vec3 front =
+            reference::cross(scene_.vertices[b] - corner, scene_.vertices[c] - corner);
+        const Vec3 normal = scene_.normals[a] + scene_.normals[b] + scene_.normals[c];
+        return reference::dot(front, normal) < 0.0f;
+    }
+
+    ColladaDocument document_;
+    Scene scene_;
+    Notes notes_;
+    std::optional<reference::Camera> camera_;
+    std::map<std::string, std::uint32_t> materials_;
+    std::map<std::string, ColladaMesh> meshes_;
+    std::size_t turned_ = 0;
+};
+
+}  // namespace
+
+Scene load_collada(const std::string& path, CameraChoice camera) {
+    return ColladaLoader(path).load(camera);
 }
 
 }  // namespace scotty::scenes

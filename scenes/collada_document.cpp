@@ -1,0 +1,174 @@
+#include "scenes/collada_document.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <cstring>
+
+namespace scotty::scenes {
+
+using reference::Error;
+
+namespace {
+
+struct IdCollector : pugi::xml_tree_walker {
+    explicit IdCollector(std::unordered_map<std::string, pugi::xml_node>& target) : by_id(target) {}
+    bool for_each(pugi::xml_node& node) override {
+        if (const pugi::xml_attribute id = node.attribute("id")) by_id.emplace(id.value(), node);
+        return true;
+    }
+    std::unordered_map<std::string, pugi::xml_node>& by_id;
+};
+
+/// "<light id="Area">": the element, or the next one around it that can be told apart.
+std::string name_of(pugi::xml_node element) {
+    std::string inner;
+    while (element) {
+        for (const char* attribute : {"id", "name", "sid", "symbol"}) {
+            if (!element.attribute(attribute)) continue;
+            return fmt::format("<{} {}=\"{}\">{}", element.name(), attribute,
+                               element.attribute(attribute).value(), inner);
+        }
+        inner = fmt::format(" <{}>{}", element.name(), inner);
+        element = element.parent();
+    }
+    return inner.empty() ? "document" : inner.substr(1);
+}
+
+bool is_space(char c) { return c == ' ' || c == '\n' || c == '\t' || c == '\r'; }
+
+/// Calls `use(begin, end, index)` for each word of the element's text.
+template <class Use>
+void for_each_word(pugi::xml_node element, const Use& use) {
+    const char* at = element.text().get();
+    for (std::size_t index = 0;; ++index) {
+        while (is_space(*at)) ++at;
+        if (*at == '\0') return;
+        const char* begin = at;
+        while (*at != '\0' && !is_space(*at)) ++at;
+        use(begin, at, index);
+    }
+}
+
+}  // namespace
+
+ColladaDocument::ColladaDocument(const std::string& path) : path_(path) {
+    const pugi::xml_parse_result result = xml_.load_file(path.c_str());
+    if (!result) {
+        throw Error::bad_input(path, fmt::format("not well-formed XML at byte {} ({}); the file "
+                                                 "may be truncated",
+                                                 result.offset, result.description()));
+    }
+    root_ = xml_.document_element();
+    if (std::strcmp(root_.name(), "COLLADA") != 0) {
+        throw Error::bad_input(
+            path, fmt::format("expected a <COLLADA> document, found <{}>", root_.name()));
+    }
+    IdCollector collector(by_id_);
+    xml_.traverse(collector);
+}
+
+Error ColladaDocument::error(pugi::xml_node element, const std::string& what) const {
+    return Error::bad_input(path_ + ": " + name_of(element), what);
+}
+
+pugi::xml_node ColladaDocument::target(pugi::xml_node user, const char* attribute,
+                                       const char* kind) const {
+    const std::string url = user.attribute(attribute).value();
+    if (url.size() < 2 || url[0] != '#') {
+        throw error(user, fmt::format("{}: expected \"#id\" of a <{}> in this file, found \"{}\"",
+                                      attribute, kind, url));
+    }
+    const auto found = by_id_.find(url.substr(1));
+    if (found == by_id_.end()) {
+        throw error(user,
+                    fmt::format("{}: there is no <{} id=\"{}\">", attribute, kind, url.substr(1)));
+    }
+    if (std::strcmp(found->second.name(), kind) != 0) {
+        throw error(user, fmt::format("{}: expected a <{}>, \"{}\" is a <{}>", attribute, kind, url,
+                                      found->second.name()));
+    }
+    return found->second;
+}
+
+std::vector<double> ColladaDocument::numbers(pugi::xml_node element) const {
+    std::vector<double> values;
+    for_each_word(element, [&](const char* begin, const char* end, std::size_t index) {
+        double value = 0.0;
+        const auto [stop, status] = std::from_chars(begin + (*begin == '+' ? 1 : 0), end, value);
+        // A number too small for a double is as good as zero, one too large is not a number.
+        const bool tiny = status == std::errc::result_out_of_range && std::abs(value) < 1.0;
+        if ((status != std::errc() && !tiny) || stop != end || !std::isfinite(value)) {
+            throw error(element, fmt::format("value {}: expected a finite number, found '{}'",
+                                             index, std::string(begin, end)));
+        }
+        values.push_back(value);
+    });
+    return values;
+}
+
+std::vector<double> ColladaDocument::numbers(pugi::xml_node element, std::size_t count) const {
+    std::vector<double> values = numbers(element);
+    if (values.size() != count) {
+        throw error(element, fmt::format("expected {} numbers, found {}", count, values.size()));
+    }
+    return values;
+}
+
+double ColladaDocument::number(pugi::xml_node element, double standard) const {
+    return element ? numbers(element, 1)[0] : standard;
+}
+
+Point ColladaDocument::colour(pugi::xml_node element) const {
+    const std::vector<double> values = numbers(element);
+    if (values.size() != 3 && values.size() != 4) {
+        throw error(element,
+                    fmt::format("expected 3 or 4 numbers (a colour), found {}", values.size()));
+    }
+    return {values[0], values[1], values[2]};
+}
+
+std::vector<std::uint32_t> ColladaDocument::indices(pugi::xml_node element) const {
+    std::vector<std::uint32_t> values;
+    for_each_word(element, [&](const char* begin, const char* end, std::size_t index) {
+        std::uint32_t value = 0;
+        const auto [stop, status] = std::from_chars(begin, end, value);
+        if (status != std::errc() || stop != end) {
+            throw error(element, fmt::format("value {}: expected a whole number from 0 on, found "
+                                             "'{}'",
+                                             index, std::string(begin, end)));
+        }
+        values.push_back(value);
+    });
+    return values;
+}
+
+std::uint32_t ColladaDocument::count_attribute(pugi::xml_node element, const char* name,
+                                               std::uint32_t standard) const {
+    const pugi::xml_attribute attribute = element.attribute(name);
+    if (!attribute) return standard;
+    const char* text = attribute.value();
+    const char* end = text + std::strlen(text);
+    std::uint32_t value = 0;
+    const auto [stop, status] = std::from_chars(text, end, value);
+    if (status != std::errc() || stop != end) {
+        throw error(element,
+                    fmt::format("{}: expected a whole number from 0 on, found '{}'", name, text));
+    }
+    return value;
+}
+
+pugi::xml_node scotty3d_extra(pugi::xml_node element) {
+    for (const pugi::xml_node extra : element.children("extra")) {
+        for (const pugi::xml_node technique : extra.children("technique")) {
+            if (std::strcmp(technique.attribute("profile").value(), "CMU462") != 0) continue;
+            for (const pugi::xml_node child : technique.children()) {
+                if (child.type() == pugi::node_element) return child;
+            }
+        }
+    }
+    return {};
+}
+
+}  // namespace scotty::scenes

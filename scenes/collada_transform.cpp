@@ -1,0 +1,101 @@
+#include "scenes/collada_parts.h"
+
+namespace scotty::scenes {
+
+namespace {
+
+constexpr double kDegree = 3.14159265358979323846 / 180.0;
+
+Affine from_matrix(const ColladaDocument& document, pugi::xml_node element, bool lenient,
+                   Notes& notes) {
+    std::vector<double> values = document.numbers(element);
+    if (lenient && values.size() >= 12 && values.size() < 16) {
+        notes.add(
+            fmt::format("the <matrix> of a camera has {} numbers instead of 16: zero for "
+                        "what is missing",
+                        values.size()));
+        values.resize(16);
+    } else if (values.size() != 16) {
+        throw document.error(element, fmt::format("expected 16 numbers, found {}", values.size()));
+    } else if (values[12] != 0.0 || values[13] != 0.0 || values[14] != 0.0 || values[15] != 1.0) {
+        throw document.error(element, "expected a last row of 0 0 0 1 (no perspective)");
+    }
+    Affine out;
+    for (std::size_t r = 0; r < 3; ++r) {
+        for (std::size_t c = 0; c < 4; ++c) out.m[r][c] = values[4 * r + c];
+    }
+    return out;
+}
+
+Affine from_rotation(const ColladaDocument& document, pugi::xml_node element) {
+    const std::vector<double> values = document.numbers(element, 4);
+    const Point axis = unit({values[0], values[1], values[2]});
+    if (axis == Point{}) {
+        if (values[3] == 0.0) return {};
+        throw document.error(element, "expected an axis that is not zero");
+    }
+    const double c = std::cos(values[3] * kDegree);
+    const double s = std::sin(values[3] * kDegree);
+    const double t = 1.0 - c;
+    const auto& [x, y, z] = axis;
+    Affine out;
+    out.m = {{{t * x * x + c, t * x * y - s * z, t * x * z + s * y, 0.0},
+              {t * x * y + s * z, t * y * y + c, t * y * z - s * x, 0.0},
+              {t * x * z - s * y, t * y * z + s * x, t * z * z + c, 0.0}}};
+    return out;
+}
+
+Point cross_of(const Point& a, const Point& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+/// Eye, target, up: the node's -z looks at the target.
+Affine from_lookat(const ColladaDocument& document, pugi::xml_node element) {
+    const std::vector<double> v = document.numbers(element, 9);
+    const Point back = unit({v[0] - v[3], v[1] - v[4], v[2] - v[5]});
+    const Point right = unit(cross_of({v[6], v[7], v[8]}, back));
+    if (right == Point{}) throw document.error(element, "eye, target and up give no direction");
+    const Point up = cross_of(back, right);
+    Affine out;
+    for (std::size_t r = 0; r < 3; ++r) out.m[r] = {right[r], up[r], back[r], v[r]};
+    return out;
+}
+
+/// A node that places nothing but a camera.
+bool is_camera_alone(pugi::xml_node node) {
+    if (!node.child("instance_camera")) return false;
+    for (const char* other : {"node", "instance_node", "instance_geometry", "instance_light"}) {
+        if (node.child(other)) return false;
+    }
+    return true;
+}
+
+}  // namespace
+
+Affine read_transform(const ColladaDocument& document, pugi::xml_node node, Notes& notes) {
+    // A camera that is hard to read may be approximated; geometry may not.
+    const bool lenient = is_camera_alone(node);
+    Affine total;
+    for (const pugi::xml_node element : node.children()) {
+        const std::string kind = element.name();
+        if (kind == "matrix") {
+            total = total * from_matrix(document, element, lenient, notes);
+        } else if (kind == "translate" || kind == "scale") {
+            const std::vector<double> values = document.numbers(element, 3);
+            Affine step;
+            for (std::size_t k = 0; k < 3; ++k) {
+                (kind == "scale" ? step.m[k][k] : step.m[k][3]) = values[k];
+            }
+            total = total * step;
+        } else if (kind == "rotate") {
+            total = total * from_rotation(document, element);
+        } else if (kind == "lookat") {
+            total = total * from_lookat(document, element);
+        } else if (kind == "skew") {
+            notes.add("<skew> transforms are not supported: left out");
+        }
+    }
+    return total;
+}
+
+}  // namespace scotty::scenes

@@ -1,0 +1,32 @@
+/// What all file loaders do after reading: emitters, missing lights, missing cameras.
+#pragma once
+
+#include <optional>
+
+#include "reference/scene.h"
+#include "scenes/loaders.h"
+#include "scenes/notes.h"
+
+namespace scotty::scenes {
+
+/// Brings emissive triangles and lights together, so that no emission is counted twice.
+///
+/// A triangle that lies in an area light is that light's visible side: its material's emission is
+/// marked as sampled, and its winding is turned to the light's front where it faces away. The other
+/// emissive triangles become lights themselves, if there are at most kMaxTriangleLights of them.
+void settle_emission(reference::Scene& scene, Notes& notes);
+
+constexpr std::size_t kMaxTriangleLights = 1024;
+
+/// Adds a constant environment where nothing shines.
+void light_if_dark(reference::Scene& scene, Notes& notes);
+
+/// A camera that sees all of the scene: it looks along `direction_of`'s forward at the middle of
+/// the bounding box, from where all of the box is inside a square picture.
+reference::Camera fit_camera(const reference::Scene& scene, const reference::Camera& direction_of);
+
+/// Sets scene.camera: the file's own, or a fitted one where there is none or `choice` asks for it.
+void settle_camera(reference::Scene& scene, const std::optional<reference::Camera>& own,
+                   CameraChoice choice, Notes& notes);
+
+}  // namespace scotty::scenes
