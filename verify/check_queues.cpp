@@ -105,14 +105,14 @@ struct Launch {
     std::uint32_t first_node = 0;
     std::uint32_t first_child = 0;
     std::uint32_t per_block = 1;
-    std::span<const Ray> rays;
-    std::span<const std::uint32_t> counts, offsets, queue, block_offsets;
-    std::span<const std::uint32_t> child_counts, child_offsets, child_queue;
-    std::span<const float> minimum;
+    std::span<const Ray> rays{};
+    std::span<const std::uint32_t> counts{}, offsets{}, queue{}, block_offsets{};
+    std::span<const std::uint32_t> child_counts{}, child_offsets{}, child_queue{};
+    std::span<const float> minimum{};
 };
 
 class NodeCheck {
-   public:
+ public:
     NodeCheck(const Launch& launch, std::uint32_t node, Worker& worker)
         : launch_(launch),
           node_(node),
@@ -128,9 +128,9 @@ class NodeCheck {
         for (std::uint32_t p = 0; p < count; ++p) {
             const std::uint32_t ray = entry(p);
             worker_.position[ray] = p;
-            worker_.expected.push_back(expected_of(
-                boxes_, launch_.rays[ray],
-                launch_.minimum.empty() ? kInfinity : launch_.minimum[ray]));
+            worker_.expected.push_back(
+                expected_of(boxes_, launch_.rays[ray],
+                            launch_.minimum.empty() ? kInfinity : launch_.minimum[ray]));
         }
         for (std::uint32_t c = 0; c < boxes_.width; ++c) {
             if (boxes_.child[c] != kNone) check_child(c);
@@ -139,14 +139,13 @@ class NodeCheck {
         for (std::uint32_t p = 0; p < count; ++p) worker_.position[entry(p)] = kNone;
     }
 
-   private:
+ private:
     std::uint32_t entry(std::uint32_t p) const {
         return launch_.queue.empty() ? p : launch_.queue[launch_.offsets[node_] + p];
     }
     std::uint32_t block_of(std::uint32_t p) const {
-        return launch_.block_offsets.empty()
-                   ? p / launch_.per_block
-                   : launch_.block_offsets[node_] + p / launch_.per_block;
+        return launch_.block_offsets.empty() ? p / launch_.per_block
+                                             : launch_.block_offsets[node_] + p / launch_.per_block;
     }
 
     void fail(const char* tag, std::uint32_t child, std::uint32_t ray, std::uint32_t block,
@@ -236,7 +235,8 @@ class NodeCheck {
         } else if (p < last_position) {
             fail(invariant::kInputOrder, child, ray, block_of(p),
                  "a block's run is not in the order of its input",
-                 fmt::format("behind input position {}", p), fmt::format("behind {}", last_position));
+                 fmt::format("behind input position {}", p),
+                 fmt::format("behind {}", last_position));
         }
         last_position = p;
     }
@@ -362,7 +362,7 @@ bool check_input_queue(CheckState& state, const Launch& launch) {
 /// Keeps of every ray the nearest box that it was kept out of; merge judges by the final hit.
 void remember_kept_out(CheckState& state, const StageView& stage, const Worker& worker) {
     auto& kept_out = state.traversal.kept_out;
-    kept_out.resize(state.traversal.rays.size());
+    kept_out.resize(stage.get<Ray>("rays").size());
     for (const KeptOutRay& ray : worker.kept_out) {
         auto& nearest = kept_out[ray.ray];
         // Equal entries: the lower node, so that the report does not depend on the workers.
@@ -397,15 +397,21 @@ void check_queues(CheckState& state, const StageView& stage) {
     if (stage.level > 0) {
         launch.offsets = stage.get<std::uint32_t>("queue_offsets");
         if (launch.offsets.size() < nodes) {
-            launch.offsets =
-                expect_buffer<std::uint32_t>(state, stage, "queue_offsets", nodes + 1);
+            launch.offsets = expect_buffer<std::uint32_t>(state, stage, "queue_offsets", nodes + 1);
         }
     }
     launch.child_queue = stage.get<std::uint32_t>("child_queue");
     if (stage.level == 0) launch.queue = {};
     if (launch.counts.empty() || (stage.level > 0 && launch.offsets.empty())) return;
-    if (!expect_same<Ray>(state, stage, invariant::kHandOver, "rays", traversal.rays, launch.rays,
-                          true, "the rays changed in the middle of a traversal",
+    // At the root the rays are those that were made for this traversal.
+    const std::vector<Ray> none;
+    const bool shadow = stage.light != kNotApplicable;
+    const std::vector<Ray>& made = stage.bounce == kNotApplicable
+                                       ? none
+                                       : (shadow ? state.paths.shadow_rays : state.paths.rays);
+    if (!expect_same<Ray>(state, stage, invariant::kHandOver, "rays",
+                          stage.level == 0 ? made : traversal.rays, launch.rays, true,
+                          "not the rays that this traversal was given",
                           [](const Ray& ray) { return exact(ray); })) {
         return;
     }

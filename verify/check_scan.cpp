@@ -49,8 +49,7 @@ void check_scan(CheckState& state, const StageView& stage) {
     const std::uint32_t first = begins[level];
     const std::uint32_t nodes = begins[level + 1] - first;
     const std::uint32_t first_child = begins[level + 1];
-    const std::uint32_t children =
-        level + 2 < begins.size() ? begins[level + 2] - first_child : 0u;
+    const std::uint32_t children = level + 2 < begins.size() ? begins[level + 2] - first_child : 0u;
     const auto counts = expect_buffer<std::uint32_t>(state, stage, "node_counts", nodes);
     const auto blocks = expect_buffer<std::uint32_t>(state, stage, "block_offsets", nodes + 1);
     const auto regions = expect_buffer<std::uint32_t>(state, stage, "child_offsets", children + 1);

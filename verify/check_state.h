@@ -13,7 +13,7 @@ namespace scotty::verify {
 /// What is known of the traversal that is running. All by ray id unless said.
 struct TraversalState {
     bool running = false;
-    bool scanned = false;  ///< scan_counts of this level has been seen
+    bool scanned = false;   ///< scan_counts of this level has been seen
     bool asks_any = false;  ///< early-out on and only "is anything hit" asked
     std::uint32_t level = 0;
     std::uint64_t failures_before = 0;  ///< counts.failures when it began, for on_retry

@@ -49,10 +49,11 @@ Failure failure_at(const StageView& stage, const char* invariant, std::string se
 void InvariantChecker::on_stage(const StageView& stage) {
     State& state = *state_;
     const bool judged = stage_matches(state.settings.stage_pattern, stage.name);
-    const bool starts = stage.level == 0 && (stage.kind == StageKind::scan_counts ||
-                                             (stage.kind == StageKind::intersect_root &&
-                                              !(state.traversal.running && state.traversal.scanned &&
-                                                state.traversal.level == 0)));
+    const bool starts =
+        stage.level == 0 &&
+        (stage.kind == StageKind::scan_counts ||
+         (stage.kind == StageKind::intersect_root &&
+          !(state.traversal.running && state.traversal.scanned && state.traversal.level == 0)));
     if (starts) begin_traversal(state, stage);
     if (judged) {
         ++state.counts.stages;

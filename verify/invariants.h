@@ -27,7 +27,7 @@ struct InvariantSettings {
 
 /// What was looked at. A judgement over nothing is not a pass: see `stages`.
 struct InvariantCounts {
-    std::uint64_t stages = 0;  ///< judged
+    std::uint64_t stages = 0;   ///< judged
     std::uint64_t entries = 0;  ///< rays in the queues of inner nodes
     std::uint64_t pushes = 0;   ///< queue entries written
     std::uint64_t missed = 0;   ///< rays in a node that enter no child
@@ -39,7 +39,7 @@ struct InvariantCounts {
 };
 
 class InvariantChecker : public reference::StageObserver {
-   public:
+ public:
     /// All arguments are borrowed for the checker's life.
     InvariantChecker(const reference::Scene& scene, const reference::WideBvh& bvh,
                      const reference::PipelineParameters& parameters,
@@ -53,8 +53,9 @@ class InvariantChecker : public reference::StageObserver {
     const std::vector<Failure>& failures() const;
     const InvariantCounts& counts() const;
 
-   private:
-    struct State;
+    struct State;  ///< defined for the checks alone (check_state.h)
+
+ private:
     std::unique_ptr<State> state_;
 };
 
