@@ -189,10 +189,7 @@ inline void shear_rays(const Block& block, std::uint32_t count, const reference:
 }
 
 inline reference::RayShear shear_of(const BlockShear& shear, std::uint32_t thread) {
-    const int kz = shear.kz[thread];
-    const int kx = kz == 2 ? 0 : kz + 1;
-    const int ky = kx == 2 ? 0 : kx + 1;
-    return {kx, ky, kz, shear.sx[thread], shear.sy[thread], shear.sz[thread]};
+    return {shear.kz[thread], shear.sx[thread], shear.sy[thread], shear.sz[thread]};
 }
 
 /// Appends a leaf's hit to what the ray has gathered, and lowers its minimum.
@@ -226,7 +223,7 @@ inline void intersect_leaf(const Block& block, std::uint32_t count, const refere
     using reference::Vec3;
     BlockShear shear;
     PerThread<Hit> best;
-    PerThread<std::uint8_t> inside;
+    PerThread<std::uint32_t> inside;
     shear_rays(block, count, rays, loaded, shear);
     block.phase(count, [&](std::uint32_t thread) { best[thread] = reference::no_hit(); });
 
@@ -235,17 +232,20 @@ inline void intersect_leaf(const Block& block, std::uint32_t count, const refere
         const std::uint32_t chunk = std::min(kLeafChunk, leaf.count - done);
         std::copy_n(triangles + leaf.first + done, chunk, shared);
         for (std::uint32_t i = 0; i < chunk; ++i) {
-            const reference::LeafTriangle& triangle = shared[i];
+            const reference::LeafTriangle triangle = shared[i];
             // Sign test for all threads first: most rays pass outside most triangles.
             block.phase(count, [&](std::uint32_t thread) {
                 const Vec3 origin(loaded.origin_x[thread], loaded.origin_y[thread],
                                   loaded.origin_z[thread]);
+                const reference::RayShear ray = shear_of(shear, thread);
                 const reference::EdgeFunctions e = reference::edge_functions(
-                    reference::shear(shear_of(shear, thread), triangle.v0 - origin,
-                                     triangle.v1 - origin, triangle.v2 - origin));
+                    reference::shear(ray, reference::rotate_axes(triangle.v0 - origin, ray.kz),
+                                     reference::rotate_axes(triangle.v1 - origin, ray.kz),
+                                     reference::rotate_axes(triangle.v2 - origin, ray.kz)));
                 const float least = reference::min_of(reference::min_of(e.u, e.v), e.w);
                 const float most = reference::max_of(reference::max_of(e.u, e.v), e.w);
-                inside[thread] = static_cast<std::uint8_t>(!(least < 0.0f) | !(most > 0.0f));
+                inside[thread] = static_cast<std::uint32_t>(!(least < 0.0f)) |
+                                 static_cast<std::uint32_t>(!(most > 0.0f));
             });
             block.phase(count, [&](std::uint32_t thread) {
                 if (inside[thread] == 0) return;

@@ -56,19 +56,21 @@ struct PreparedRay {
 
 /// Lanes that outside() does not reject: all bits set.
 Mask candidates(const TrianglePack& pack, const Vec3& origin, const RayShear& shear) {
-    const float ox = component(origin, shear.kx);
-    const float oy = component(origin, shear.ky);
+    const int kx = next_axis(shear.kz);
+    const int ky = next_axis(kx);
+    const float ox = component(origin, kx);
+    const float oy = component(origin, ky);
     const float oz = component(origin, shear.kz);
     const auto& [v0, v1, v2] = pack.vertex;
     const Floats az = v0[shear.kz] - oz;
     const Floats bz = v1[shear.kz] - oz;
     const Floats cz = v2[shear.kz] - oz;
-    const Floats ax = (v0[shear.kx] - ox) - shear.sx * az;
-    const Floats ay = (v0[shear.ky] - oy) - shear.sy * az;
-    const Floats bx = (v1[shear.kx] - ox) - shear.sx * bz;
-    const Floats by = (v1[shear.ky] - oy) - shear.sy * bz;
-    const Floats cx = (v2[shear.kx] - ox) - shear.sx * cz;
-    const Floats cy = (v2[shear.ky] - oy) - shear.sy * cz;
+    const Floats ax = (v0[kx] - ox) - shear.sx * az;
+    const Floats ay = (v0[ky] - oy) - shear.sy * az;
+    const Floats bx = (v1[kx] - ox) - shear.sx * bz;
+    const Floats by = (v1[ky] - oy) - shear.sy * bz;
+    const Floats cx = (v2[kx] - ox) - shear.sx * cz;
+    const Floats cy = (v2[ky] - oy) - shear.sy * cz;
     const Floats u = cx * by - cy * bx;
     const Floats v = ax * cy - ay * cx;
     const Floats w = bx * ay - by * ax;

@@ -19,10 +19,22 @@ namespace scotty::reference {
 SCOTTY_HD float component(const Vec3& v, int axis) {
     return axis == 0 ? v.x : (axis == 1 ? v.y : v.z);
 }
+SCOTTY_HD int next_axis(int axis) { return axis == 2 ? 0 : axis + 1; }
+
+/// A vector with its axes rotated so that `kz` comes last: two selects each, no branch, so that
+/// loops over rays vectorise.
+SCOTTY_HD Vec3 rotate_axes(const Vec3& v, int kz) {
+    const bool x_last = kz == 0;
+    const bool y_last = kz == 1;
+    const float x = y_last ? v.z : v.x;
+    const float y = y_last ? v.x : v.y;
+    const float z = y_last ? v.y : v.z;
+    return {x_last ? v.y : x, x_last ? v.z : y, x_last ? v.x : z};
+}
 
 /// The shear that maps a ray to the unit ray along z; computed once per ray.
 struct RayShear {
-    int kx, ky, kz;  ///< axes; kz is the one where the direction is largest
+    int kz;  ///< the axis along which the direction is largest
     float sx, sy, sz;
 };
 
@@ -31,10 +43,8 @@ SCOTTY_HD RayShear ray_shear(const Vec3& direction) {
     const float ay = abs_of(direction.y);
     const float az = abs_of(direction.z);
     const int kz = ax > ay ? (ax > az ? 0 : 2) : (ay > az ? 1 : 2);
-    const int kx = kz == 2 ? 0 : kz + 1;
-    const int ky = kx == 2 ? 0 : kx + 1;
-    const float dz = component(direction, kz);
-    return {kx, ky, kz, component(direction, kx) / dz, component(direction, ky) / dz, 1.0f / dz};
+    const Vec3 d = rotate_axes(direction, kz);
+    return {kz, d.x / d.z, d.y / d.z, 1.0f / d.z};
 }
 
 /// Signed areas opposite v0, v1, v2, after the shear.
@@ -64,20 +74,19 @@ SCOTTY_HD EdgeFunctions edge_functions_exact_sign(const ShearedTriangle& s) {
             static_cast<float>(bx * ay - by * ax)};
 }
 
+/// `a`, `b`, `c`: vertices relative to the ray's origin, axes rotated.
 SCOTTY_HD ShearedTriangle shear(const RayShear& ray, const Vec3& a, const Vec3& b, const Vec3& c) {
-    const float az = component(a, ray.kz), bz = component(b, ray.kz), cz = component(c, ray.kz);
-    return {component(a, ray.kx) - ray.sx * az, component(a, ray.ky) - ray.sy * az,
-            component(b, ray.kx) - ray.sx * bz, component(b, ray.ky) - ray.sy * bz,
-            component(c, ray.kx) - ray.sx * cz, component(c, ray.ky) - ray.sy * cz};
+    return {a.x - ray.sx * a.z, a.y - ray.sy * a.z, b.x - ray.sx * b.z,
+            b.y - ray.sy * b.z, c.x - ray.sx * c.z, c.y - ray.sy * c.z};
 }
 
 /// Hit of the whole line with the triangle, t not yet compared with the ray's interval.
 /// Returns false on a miss and leaves `hit` alone; the primitive id is the caller's.
 SCOTTY_HD bool intersect_triangle_line(const Vec3& origin, const Vec3& inverse, const RayShear& ray,
                                        const Vec3& v0, const Vec3& v1, const Vec3& v2, Hit& hit) {
-    const Vec3 a = v0 - origin;
-    const Vec3 b = v1 - origin;
-    const Vec3 c = v2 - origin;
+    const Vec3 a = rotate_axes(v0 - origin, ray.kz);
+    const Vec3 b = rotate_axes(v1 - origin, ray.kz);
+    const Vec3 c = rotate_axes(v2 - origin, ray.kz);
     const ShearedTriangle sheared = shear(ray, a, b, c);
     EdgeFunctions e = edge_functions(sheared);
     if (outside(e)) return false;
@@ -87,9 +96,7 @@ SCOTTY_HD bool intersect_triangle_line(const Vec3& origin, const Vec3& inverse, 
     }
     const float determinant = e.u + e.v + e.w;
     if (!(abs_of(determinant) > 0.0f)) return false;
-    const float scaled_t = e.u * (ray.sz * component(a, ray.kz)) +
-                           e.v * (ray.sz * component(b, ray.kz)) +
-                           e.w * (ray.sz * component(c, ray.kz));
+    const float scaled_t = e.u * (ray.sz * a.z) + e.v * (ray.sz * b.z) + e.w * (ray.sz * c.z);
     const Vec3 low = min_of(min_of(v0, v1), v2);
     const Vec3 high = max_of(max_of(v0, v1), v2);
     const BoxInterval box =

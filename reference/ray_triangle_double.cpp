@@ -34,8 +34,8 @@ struct Shear {
     double dx, dy, dz;
 
     explicit Shear(const Ray& ray)
-        : kx(ray_shear(ray.direction).kx),
-          ky(ray_shear(ray.direction).ky),
+        : kx(next_axis(ray_shear(ray.direction).kz)),
+          ky(next_axis(kx)),
           kz(ray_shear(ray.direction).kz),
           origin{component(ray.origin, kx), component(ray.origin, ky), component(ray.origin, kz)},
           dx(component(ray.direction, kx)),
