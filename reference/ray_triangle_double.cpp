@@ -29,7 +29,7 @@ struct Sheared {
 };
 
 struct Shear {
-    int kx, ky, kz;
+    int kz, kx, ky;
     Double3 origin;
     double dx, dy, dz;
 
