@@ -59,8 +59,6 @@ Mask candidates(const TrianglePack& pack, const Vec3& origin, const RayShear& sh
     const int kx = next_axis(shear.kz);
     const int ky = next_axis(kx);
     const int kz = shear.kz;
-    const int kx = (kz + 1) % 3;
-    const int ky = (kz + 2) % 3;
     const auto& [v0, v1, v2] = pack.vertex;
     const Floats az = v0[kz] - origin[kz];
     const Floats bz = v1[kz] - origin[kz];

@@ -29,7 +29,7 @@ struct Sheared {
 };
 
 struct Shear {
-    int kz, kx, ky;
+    int kx, ky, kz;
     Double3 origin;
     double dx, dy, dz;
 
