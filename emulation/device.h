@@ -31,10 +31,11 @@ struct DeviceOptions {
 };
 
 /// One value per thread of a block that lives across phases: what a register is on the device.
-/// Uninitialised, as registers are.
+/// Uninitialised, as registers are. One cache line longer than it needs: arrays a page apart would
+/// all fall into the same sets of the first-level cache.
 template <class T>
 struct PerThread {
-    alignas(64) T values[kMaxThreads];
+    alignas(64) T values[kMaxThreads + 64 / sizeof(T)];
     T& operator[](std::uint32_t thread) { return values[thread]; }
     const T& operator[](std::uint32_t thread) const { return values[thread]; }
 };

@@ -50,7 +50,7 @@ struct PipelineParameters {
     /// Slots a ray in the multi-intersection buffer at first; grown when a ray needs more.
     std::uint32_t hit_capacity = 8;  ///< 1..65536
     /// Rays in flight at once. Images larger than that are rendered in batches, with the same bits.
-    std::uint32_t batch_rays = 1u << 18;  ///< 1..2^28
+    std::uint32_t batch_rays = 1u << 16;  ///< 1..2^28
 
     Filter filter = Filter::none;
     std::uint32_t filter_threshold = 32;  ///< a filter is applied only below so many spp (report)
