@@ -5,28 +5,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "emulation/pipeline.h"
+#include "reference/launch_record.h"
 #include "reference/stage_observer.h"
 
 namespace scotty::emulation {
 
-/// Where in the render a stage stands.
-struct StagePlace {
-    std::uint32_t batch = 0;
-    bool several_batches = false;
-    std::uint32_t bounce = reference::kNotApplicable;  ///< not applicable: rays from elsewhere
-    std::uint32_t light = reference::kNotApplicable;
-    std::uint32_t level = reference::kNotApplicable;
-
-    StagePlace at_level(std::uint32_t l) const {
-        StagePlace place = *this;
-        place.level = l;
-        return place;
-    }
-    std::string name(reference::StageKind kind) const {
-        return reference::stage_name(kind, batch, bounce, light, level, several_batches);
-    }
-};
+using reference::StagePlace;
 
 class LaunchLog {
  public:
@@ -66,12 +50,12 @@ class LaunchLog {
         if (observer_ != nullptr) observer_->on_retry(stage, reason);
     }
 
-    const std::vector<LaunchRecord>& records() const { return records_; }
+    const std::vector<reference::LaunchRecord>& records() const { return records_; }
     void clear() { records_.clear(); }
 
  private:
     reference::StageObserver* observer_;
-    std::vector<LaunchRecord> records_;
+    std::vector<reference::LaunchRecord> records_;
 };
 
 }  // namespace scotty::emulation

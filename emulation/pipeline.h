@@ -9,6 +9,7 @@
 
 #include "emulation/device.h"
 #include "reference/image.h"
+#include "reference/launch_record.h"
 #include "reference/pipeline_parameters.h"
 #include "reference/scene.h"
 #include "reference/stage_observer.h"
@@ -16,19 +17,8 @@
 
 namespace scotty::emulation {
 
-/// One kernel launch as it was run: what `scotty bench` adds up.
-struct LaunchRecord {
-    reference::StageKind kind = reference::StageKind::primary_rays;
-    std::uint32_t batch = 0;
-    std::uint32_t bounce = reference::kNotApplicable;
-    std::uint32_t light = reference::kNotApplicable;
-    std::uint32_t level = reference::kNotApplicable;
-    std::uint32_t blocks = 0;
-    std::uint64_t items = 0;  ///< threads with work: rays, or queue entries of a level
-    double seconds = 0.0;
-};
-
-enum class TraversalKind { closest, any };
+using reference::LaunchRecord;
+using reference::TraversalKind;
 
 /// Emulates one scene under one set of parameters.
 ///
