@@ -56,6 +56,16 @@ std::string refute(const Scene& scene, const Ray& ray, const Hit& hit) {
     return {};
 }
 
+/// Whether the ray enters the triangle's box, padded by the margin: quick, and true wherever the
+/// triangle must be hit or the suite's own test hits it.
+bool enters_box(const Ray& ray, const Vec3& inverse, const Vec3& v0, const Vec3& v1,
+                const Vec3& v2) {
+    const Vec3 low = min_of(min_of(v0, v1), v2);
+    const Vec3 high = max_of(max_of(v0, v1), v2);
+    const RaySlabs slabs = ray_slabs(ray.origin, inverse, box_pad(ray.origin, low, high));
+    return overlaps(clip(intersect_box(slabs, low, high), ray.t_min, ray.t_max));
+}
+
 /// A primitive that any tracer must hit before t `limit`, or that the suite's own triangle test
 /// hits there (the pipelines promise its very answers); kNone if there is none.
 /// `own_test`: whether to ask the suite's test as well.
@@ -64,10 +74,14 @@ std::uint32_t passed_over(const Scene& scene, const Ray& ray, double limit, bool
     const RayShear shear = ray_shear(ray.direction);
     const auto count = static_cast<std::uint32_t>(scene.triangles.size());
     for (std::uint32_t id = 0; id < count; ++id) {
+        const auto& index = scene.triangles[id];
+        if (!enters_box(ray, inverse, scene.vertices[index[0]], scene.vertices[index[1]],
+                        scene.vertices[index[2]])) {
+            continue;
+        }
         const TriangleVerdict truth = judge_triangle(scene, id, ray);
         if (truth.verdict == Verdict::miss) continue;
         if (truth.verdict == Verdict::hit && truth.t + truth.t_margin < limit) return id;
-        const auto& index = scene.triangles[id];
         Hit hit = no_hit();
         if (own_test &&
             intersect_triangle(ray, inverse, shear, scene.vertices[index[0]],

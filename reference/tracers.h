@@ -57,7 +57,8 @@ struct Adjudication {
 };
 
 /// Decides in double precision (or better) who is right about one ray: `embree` is what Embree
-/// found, `ours` what the pipeline under test found.
+/// found, `ours` what the pipeline under test found. Ours is also held to intersect_triangle(): on an
+/// edge that either may miss, what that test hits (watertight across the edge) must not be lost.
 Adjudication adjudicate_closest(const Scene& scene, const Ray& ray, const Hit& ours,
                                 const Hit& embree);
 /// The same for occlusion queries: only whether something is hit.
