@@ -74,7 +74,7 @@ void check_nothing_waits(CheckState& state, const StageView& stage) {
         failure.level = level;
         failure.node = state.bvh.level_begins[level] + node;
         failure.field = "node_counts";
-        failure.expected = "0";
+        failure.expected = std::to_string(0);
         failure.found = std::to_string(counts[node]);
         state.add(std::move(failure));
         return;

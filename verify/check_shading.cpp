@@ -172,7 +172,8 @@ void check_scene_rays(CheckState& state, const StageView& stage) {
         if (!(radiance[i].x >= before.x && radiance[i].y >= before.y &&
               radiance[i].z >= before.z)) {
             fail_ray(state, stage, invariant::kPathState, i, fmt::format("radiance[{}]", i),
-                     "a path has lost radiance", fmt::format(">= {}", exact(before)), exact(radiance[i]));
+                     "a path has lost radiance", fmt::format(">= {}", exact(before)),
+                     exact(radiance[i]));
             return;
         }
     }

@@ -1,1 +1,3 @@
-int main() { return 0; }
+#include "verify/command.h"
+
+int main(int argc, char** argv) { return scotty::verify::run_command(argc, argv); }

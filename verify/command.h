@@ -1,0 +1,32 @@
+/// The `scotty` command: one function a subcommand, each in its own file.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+
+namespace scotty::verify {
+
+/// Exit codes, the same for every subcommand.
+inline constexpr int kExitPassed = 0;
+inline constexpr int kExitFailed = 1;              ///< a verification failed
+inline constexpr int kExitUsage = 2;               ///< usage or input is wrong, or nothing matched
+inline constexpr int kExitMissingEnvironment = 3;  ///< something required is not on this machine
+inline constexpr int kExitInternal = 70;
+
+/// Set by the subcommand that was chosen; run after the whole command line has been read.
+using Action = std::function<int()>;
+
+void add_list_command(CLI::App& app, Action& action);
+void add_render_command(CLI::App& app, Action& action);
+void add_verify_command(CLI::App& app, Action& action, const std::string& command_line);
+void add_bench_command(CLI::App& app, Action& action);
+void add_doctor_command(CLI::App& app, Action& action);
+
+/// What main() does; also sets up logging. Never throws.
+int run_command(int argc, char** argv);
+
+/// Prints a result: text, or JSON followed by a line's end, to standard output.
+void print_result(const std::string& text);
+
+}  // namespace scotty::verify

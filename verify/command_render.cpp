@@ -1,0 +1,142 @@
+/// scotty render: one scene to one image file.
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <tbb/global_control.h>
+
+#include <chrono>
+#include <memory>
+#include <optional>
+
+#include "emulation/pipeline.h"
+#include "reference/embree_renderer.h"
+#include "reference/error.h"
+#include "reference/tracers.h"
+#include "reference/wide_bvh.h"
+#include "scenes/scenes.h"
+#include "verify/command.h"
+#include "verify/image_file.h"
+#include "verify/options.h"
+#include "verify/progress.h"
+
+namespace scotty::verify {
+namespace {
+
+using reference::Image;
+using reference::StageView;
+
+struct RenderOptions {
+    std::string scene;
+    std::string output;
+    std::string backend = "emulator";
+    float exposure = 0.0f;
+    std::size_t threads = 0;
+    reference::PipelineParameters parameters;
+};
+
+/// Says which launch is running. Wants one cheap stage kind a bounce, so that nothing is prepared
+/// for it that is not shown.
+class ProgressObserver : public reference::StageObserver {
+ public:
+    ProgressObserver(Progress& progress, const reference::PipelineParameters& p)
+        : progress_(progress) {
+        const std::uint64_t paths = std::uint64_t{p.image_width} * p.image_height * p.spp;
+        batches_ = (paths + p.batch_rays - 1) / p.batch_rays;
+    }
+    bool wants(reference::StageKind kind) const override {
+        return kind == reference::StageKind::scan_counts ||
+               kind == reference::StageKind::scene_rays;
+    }
+    void on_stage(const StageView& stage) override {
+        progress_.show(fmt::format("rendering: batch {} of about {}, {}", stage.batch + 1, batches_,
+                                   stage.name));
+    }
+
+ private:
+    Progress& progress_;
+    std::uint64_t batches_;
+};
+
+Image render(const RenderOptions& options, const reference::Scene& scene) {
+    Progress progress;
+    if (options.backend == "embree") {
+        const reference::EmbreeTracer tracer(scene);
+        progress.show("rendering with Embree");
+        return render_with_embree(scene, options.parameters, tracer, options.threads);
+    }
+    progress.show("building the BVH");
+    const reference::WideBvh bvh = build_wide_bvh(
+        scene, {options.parameters.width, options.parameters.max_leaf_size, options.threads});
+    ProgressObserver observer(progress, options.parameters);
+    emulation::Pipeline pipeline(scene, bvh, options.parameters, {options.threads}, &observer);
+    return pipeline.render();
+}
+
+int run_render(const RenderOptions& options) {
+    const auto start = std::chrono::steady_clock::now();
+    reference::validate(options.parameters);
+    check_image_path(options.output);
+    std::optional<tbb::global_control> limit;
+    if (options.threads != 0) {
+        limit.emplace(tbb::global_control::max_allowed_parallelism, options.threads);
+    }
+    const reference::Scene scene = scenes::load_scene(options.scene);
+    for (const std::string& warning : scene.warnings) spdlog::warn("{}", warning);
+    const bool filtered = options.parameters.filter != reference::Filter::none;
+    if (filtered && options.backend == "embree") {
+        spdlog::warn("--filter is the pipeline's and is not applied by the Embree backend");
+    } else if (filtered && options.parameters.spp >= options.parameters.filter_threshold) {
+        spdlog::warn(
+            "--filter {} is not applied: {} samples a pixel are not below the threshold "
+            "of {} (--filter-threshold)",
+            to_string(options.parameters.filter), options.parameters.spp,
+            options.parameters.filter_threshold);
+    }
+    const Image image = render(options, scene);
+    write_image(image, options.output, options.exposure);
+    spdlog::info("{}: {} triangles, {}x{} pixels, {} samples, {}, {:.1f} s", options.output,
+                 scene.triangles.size(), image.width, image.height, options.parameters.spp,
+                 options.backend,
+                 std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    return kExitPassed;
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& app, Action& action) {
+    auto* command = app.add_subcommand("render", "Render a scene to an .exr or .png file.");
+    command->footer(
+        "Examples:\n"
+        "  scotty render coil -o coil.png --size 640x400 --spp 16\n"
+        "  scotty render CBspheres.dae -o spheres.exr --backend embree\n"
+        "  scotty render spheres -o smooth.png --filter median --exposure 1\n\n"
+        "EXR holds linear radiance in float32; PNG holds 8-bit sRGB of radiance * 2^exposure.");
+    auto options = std::make_shared<RenderOptions>();
+    command->add_option("scene", options->scene, "a built-in scene (scotty list) or a file")
+        ->required();
+    command->add_option("-o,--output", options->output, "the .exr or .png file to write")
+        ->required();
+    command->add_option("--backend", options->backend, "who traces the rays")
+        ->check(CLI::IsMember({"emulator", "embree"}))
+        ->capture_default_str();
+    command->add_option("--exposure", options->exposure, "PNG: brightness in powers of two")
+        ->check(CLI::Range(-64.0f, 64.0f))
+        ->capture_default_str();
+    command
+        ->add_option_function<std::string>(
+            "--filter",
+            [options](const std::string& word) {
+                options->parameters.filter = reference::parse_filter(word);
+            },
+            "smooth a noisy image [none]")
+        ->type_name("none|gaussian|bilateral|median");
+    command
+        ->add_option("--filter-threshold", options->parameters.filter_threshold,
+                     "a filter is applied only below so many samples a pixel")
+        ->capture_default_str();
+    add_thread_option(*command, options->threads);
+    add_picture_options(*command, options->parameters);
+    add_pipeline_options(*command, options->parameters);
+    command->callback([&action, options] { action = [options] { return run_render(*options); }; });
+}
+
+}  // namespace scotty::verify

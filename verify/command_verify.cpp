@@ -1,0 +1,157 @@
+/// scotty verify: is the pipeline right, on which scenes, in which configurations?
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "reference/error.h"
+#include "scenes/scenes.h"
+#include "verify/command.h"
+#include "verify/options.h"
+#include "verify/progress.h"
+#include "verify/report.h"
+#include "verify/verify.h"
+
+namespace scotty::verify {
+namespace {
+
+struct VerifyOptions {
+    std::vector<std::string> scenes;
+    VerifySettings settings;
+    std::string json, junit, html, folder;
+    std::string command_line;
+};
+
+/// "-" is standard output; then nothing else is printed there.
+void write_reports(const VerifyOptions& options, const Report& report) {
+    if (!options.json.empty() && options.json != "-") {
+        write_file(options.json, to_json(report).dump(2) + "\n");
+    }
+    if (!options.junit.empty()) write_file(options.junit, to_junit(report));
+    if (!options.html.empty()) write_file(options.html, to_html(report));
+    if (!options.folder.empty()) {
+        write_file(options.folder + "/verify.json", to_json(report).dump(2) + "\n");
+        write_file(options.folder + "/verify.junit.xml", to_junit(report));
+        write_file(options.folder + "/verify.html", to_html(report));
+        spdlog::info("report: {}/verify.html", options.folder);
+    }
+    print_result(options.json == "-" ? to_json(report).dump(2) : table(report));
+}
+
+/// A pattern that no stage's name matches has verified nothing.
+bool matched_nothing(const VerifyOptions& options, const Report& report) {
+    if (options.settings.stage_pattern.empty()) return report.scenes.empty();
+    return std::all_of(report.scenes.begin(), report.scenes.end(), [](const SceneReport& scene) {
+        return std::all_of(scene.configurations.begin(), scene.configurations.end(),
+                           [](const auto& c) { return c.counts.stages == 0; });
+    });
+}
+
+int run_verify(VerifyOptions& options) {
+    const auto start = std::chrono::steady_clock::now();
+    const auto seconds = [&] {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    };
+    // Everything that can be wrong with the command line, before minutes of work.
+    reference::validate(options.settings.parameters);
+    configurations(options.settings.parameters, options.settings.filter);
+    if (options.scenes.empty()) {
+        for (const auto& scene : scenes::built_in_scenes()) options.scenes.push_back(scene.name);
+    }
+    std::vector<reference::Scene> loaded;
+    for (const std::string& scene : options.scenes) loaded.push_back(scenes::load_scene(scene));
+
+    Report report;
+    report.parameters = options.settings.parameters;
+    report.threads = options.settings.threads != 0
+                         ? options.settings.threads
+                         : static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+    report.command = options.command_line;
+    for (std::size_t i = 0; i < loaded.size(); ++i) {
+        for (const std::string& warning : loaded[i].warnings) {
+            spdlog::warn("{}: {}", options.scenes[i], warning);
+        }
+        Progress progress;
+        options.settings.progress = [&](const std::string& what, std::size_t done,
+                                        std::size_t total) {
+            progress.show(fmt::format("scene {} of {}: {}, {} of {}: {}", i + 1, loaded.size(),
+                                      loaded[i].name, done + 1, total, what));
+        };
+        report.scenes.push_back(verify_scene(loaded[i], options.settings));
+        progress.clear();
+        const SceneReport& scene = report.scenes.back();
+        spdlog::info("{}: {} configurations, {} rays, {:.1f} s: {}", scene.scene,
+                     scene.configurations.size(), scene.rays(), scene.seconds,
+                     scene.passed() ? "passed" : "FAILED");
+    }
+    report.seconds = seconds();
+    if (matched_nothing(options, report)) {
+        throw reference::Error::bad_input(
+            "--stage", fmt::format("no stage's name matches '{}'; names look like "
+                                   "bounce1/light0/level3/intersect (* and ? may stand in)",
+                                   options.settings.stage_pattern));
+    }
+    write_reports(options, report);
+    return report.passed() ? kExitPassed : kExitFailed;
+}
+
+}  // namespace
+
+void add_verify_command(CLI::App& app, Action& action, const std::string& command_line) {
+    auto* command = app.add_subcommand(
+        "verify",
+        "Check every launch, every hit and the image, in many configurations of the pipeline.");
+    command->footer(
+        "Examples:\n"
+        "  scotty verify                                all built-in scenes, all pairs of values\n"
+        "  scotty verify coil --width 8,16 --early-out level\n"
+        "                                               all combinations of these, pairs of the "
+        "rest\n"
+        "  scotty verify spheres --all                  every combination\n"
+        "  scotty verify spheres --width 8 --rays-per-block 64 --early-out off --hit-mode buffer "
+        "\\\n"
+        "      --block-order linear --shadow-query any --hit-capacity 8 --batch-rays 262144 \\\n"
+        "      --schedule serial --stage 'bounce0/level2/*'\n"
+        "                                               one configuration, some of its stages\n"
+        "  scotty verify --json - | jq .passed\n\n"
+        "Checked are invariants after every launch; the hits of every traversal against brute\n"
+        "force (bit for bit) and Embree (differences adjudicated); every configuration against "
+        "the\n"
+        "baseline (bit for bit); the image against the same paths through Embree.");
+    auto options = std::make_shared<VerifyOptions>();
+    options->command_line = command_line;
+    options->settings.parameters = default_verify_parameters();
+    command->add_option("scenes", options->scenes,
+                        "built-in scenes (scotty list) or files; all built-in ones by default");
+    command->add_option("--json", options->json, "write the report as JSON; - is standard output")
+        ->type_name("FILE");
+    command->add_option("--junit", options->junit, "write the report as JUnit XML")
+        ->type_name("FILE");
+    command->add_option("--html", options->html, "write the report as one HTML page")
+        ->type_name("FILE");
+    command
+        ->add_option("--report", options->folder,
+                     "write all three (verify.json, verify.junit.xml, verify.html) to a folder")
+        ->type_name("DIR");
+    command
+        ->add_option("--stage", options->settings.stage_pattern,
+                     "judge only stages of such a name: a part of it, or with * and ? all of it")
+        ->type_name("PATTERN");
+    command->add_flag("!--no-oracles", options->settings.oracles,
+                      "leave out brute force and Embree");
+    command
+        ->add_option("--brute-force", options->settings.brute_force_tests,
+                     "ray-triangle tests a scene for brute force; a subset of the rays beyond it")
+        ->type_name("TESTS")
+        ->capture_default_str();
+    add_thread_option(*command, options->settings.threads);
+    add_picture_options(*command, options->settings.parameters);
+    add_filter_options(*command, options->settings.filter);
+    command->callback([&action, options] { action = [options] { return run_verify(*options); }; });
+}
+
+}  // namespace scotty::verify

@@ -1,0 +1,61 @@
+/// Which configurations of the pipeline a verification runs.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "emulation/device.h"
+#include "reference/pipeline_parameters.h"
+
+namespace scotty::verify {
+
+/// How a configuration's blocks are run.
+enum class Schedule {
+    parallel,  ///< on all threads, in whatever order
+    serial,    ///< on one thread, in order
+    reversed,  ///< one after the other, last first
+    shuffled   ///< one after the other, in an order drawn by the seed
+};
+const char* to_string(Schedule value);
+Schedule parse_schedule(const std::string& word);
+
+struct Configuration {
+    reference::PipelineParameters parameters;
+    Schedule schedule = Schedule::parallel;
+
+    emulation::DeviceOptions device(std::size_t threads) const;
+    /// "width 8, 64 rays a block, early-out level, buffer of 8, linear, shadow any, parallel".
+    std::string label() const;
+    /// The options that select exactly this one: "--width 8 --rays-per-block 64 ...".
+    std::string options() const;
+};
+
+/// Values asked for. What is empty is not restricted.
+struct ConfigurationFilter {
+    std::vector<int> widths;
+    std::vector<int> rays_per_block;
+    std::vector<reference::EarlyOut> early_out;
+    std::vector<reference::HitMode> hit_mode;
+    std::vector<reference::BlockOrder> block_order;
+    std::vector<reference::ShadowQuery> shadow_query;
+    std::vector<std::uint32_t> hit_capacity;
+    std::vector<std::uint32_t> batch_rays;
+    std::vector<Schedule> schedule;
+    bool all = false;  ///< every combination of what is not restricted, too
+};
+
+/// What all others are compared with: nothing is culled, every hit is kept, plain order.
+Configuration baseline_configuration(const reference::PipelineParameters& base);
+
+/// All combinations of the values asked for; each with rows that cover every pair of values of the
+/// parameters not restricted (or all combinations, with `all`), and, unless restricted, one run in
+/// small odd batches. Image, seed and the like are `base`'s. Validated; no duplicates.
+std::vector<Configuration> configurations(const reference::PipelineParameters& base,
+                                          const ConfigurationFilter& filter);
+
+/// Rows of value indices, one entry a factor (sizes[f] values), such that every pair of values of
+/// two factors stands in some row. Greedy, deterministic; near the least number.
+std::vector<std::vector<std::size_t>> covering_rows(const std::vector<std::size_t>& sizes);
+
+}  // namespace scotty::verify

@@ -1,0 +1,32 @@
+/// Command-line options that several subcommands share.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "reference/pipeline_parameters.h"
+#include "verify/configurations.h"
+
+namespace scotty::verify {
+
+/// --size, --spp, --bounces, --light-samples, --seed, --leaf-size: what a picture is made of.
+void add_picture_options(CLI::App& command, reference::PipelineParameters& parameters);
+
+/// --width, --rays-per-block, --early-out, --hit-mode, --block-order, --shadow-query,
+/// --hit-capacity, --batch-rays: how it is traced. One value each.
+void add_pipeline_options(CLI::App& command, reference::PipelineParameters& parameters);
+
+/// The same options (and --schedule) as comma-separated lists of values to select by.
+void add_filter_options(CLI::App& command, ConfigurationFilter& filter);
+
+/// --threads
+void add_thread_option(CLI::App& command, std::size_t& threads);
+
+/// "640x480" into width and height; throws bad_input.
+void parse_size(const std::string& text, reference::PipelineParameters& parameters);
+
+/// "a,b,c" into its parts; throws bad_input where one is empty.
+std::vector<std::string> split_list(const std::string& option, const std::string& text);
+
+}  // namespace scotty::verify

@@ -1,0 +1,36 @@
+#include "verify/progress.h"
+
+#include <unistd.h>
+
+#include <cstdio>
+
+namespace scotty::verify {
+
+namespace {
+constexpr std::chrono::milliseconds kQuiet{1000};
+constexpr std::chrono::milliseconds kBetween{100};
+constexpr std::size_t kColumns = 110;
+}  // namespace
+
+Progress::Progress()
+    : terminal_(isatty(STDERR_FILENO) == 1), started_(std::chrono::steady_clock::now()) {}
+
+Progress::~Progress() { clear(); }
+
+void Progress::show(const std::string& text) {
+    const auto now = std::chrono::steady_clock::now();
+    if (!terminal_ || now - started_ < kQuiet || now - last_ < kBetween) return;
+    last_ = now;
+    shown_ = true;
+    std::fprintf(stderr, "\r\x1b[K%s", text.substr(0, kColumns).c_str());
+    std::fflush(stderr);
+}
+
+void Progress::clear() {
+    if (!shown_) return;
+    shown_ = false;
+    std::fputs("\r\x1b[K", stderr);
+    std::fflush(stderr);
+}
+
+}  // namespace scotty::verify

@@ -1,0 +1,27 @@
+/// A line on the terminal that says what a long run is doing; nothing where stderr is no terminal.
+#pragma once
+
+#include <chrono>
+#include <string>
+
+namespace scotty::verify {
+
+class Progress {
+ public:
+    Progress();
+    ~Progress();
+    Progress(const Progress&) = delete;
+    Progress& operator=(const Progress&) = delete;
+
+    /// Rewrites the line, at most ten times a second, and not within the first second.
+    void show(const std::string& text);
+    /// Takes the line away, so that something else can be printed.
+    void clear();
+
+ private:
+    bool terminal_;
+    bool shown_ = false;
+    std::chrono::steady_clock::time_point started_, last_;
+};
+
+}  // namespace scotty::verify

@@ -1,0 +1,212 @@
+#include "verify/report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "reference/error.h"
+
+namespace scotty::verify {
+
+std::uint64_t SceneReport::rays() const {
+    std::uint64_t sum = 0;
+    for (const ConfigurationReport& configuration : configurations) sum += configuration.rays;
+    return sum;
+}
+
+bool SceneReport::passed() const {
+    return bvh_failures.empty() && hits.failures.empty() && hits.ours_wrong == 0 &&
+           image.failures.empty() &&
+           std::all_of(configurations.begin(), configurations.end(),
+                       [](const ConfigurationReport& c) { return c.failures.empty(); });
+}
+
+bool Report::passed() const {
+    return std::all_of(scenes.begin(), scenes.end(),
+                       [](const SceneReport& scene) { return scene.passed(); });
+}
+
+std::vector<PlacedFailure> placed_failures(const Report& report) {
+    std::vector<PlacedFailure> placed;
+    for (const SceneReport& scene : report.scenes) {
+        const std::string baseline =
+            scene.configurations.empty() ? "" : scene.configurations.front().replay;
+        const auto add = [&](const std::string& configuration, const std::string& replay,
+                             const std::vector<Failure>& failures) {
+            for (const Failure& failure : failures) {
+                const bool of_stage = failure.launch != reference::kNotApplicable;
+                placed.push_back(
+                    {scene.scene, configuration, failure,
+                     of_stage ? fmt::format("{} --stage '{}'", replay, failure.stage) : replay});
+            }
+        };
+        add("BVH", baseline, scene.bvh_failures);
+        for (const ConfigurationReport& configuration : scene.configurations) {
+            add(configuration.label, configuration.replay, configuration.failures);
+        }
+        add("oracles on the baseline", baseline, scene.hits.failures);
+        add("oracles on the baseline", baseline, scene.image.failures);
+    }
+    return placed;
+}
+
+std::string table(const Report& report) {
+    const auto row = [](const auto&... cells) {
+        return fmt::format(
+            "{:<14} {:>10} {:>7} {:>11} {:>20} {:>11} {:>6} {:>7} {:>6} {:>12} {:>8}  {}\n",
+            cells...);
+    };
+    std::string out = row("scene", "triangles", "config.", "rays", "brute force", "Embree", "ties",
+                          "grazing", "E.bad", "pixels equal", "seconds", "verdict");
+    std::uint64_t rays = 0;
+    std::size_t configurations = 0;
+    for (const SceneReport& scene : report.scenes) {
+        const HitCheckResult& hits = scene.hits;
+        const std::string brute = !scene.oracles_ran ? "-"
+                                  : hits.brute_force_rays == hits.rays
+                                      ? fmt::format("all {}", hits.rays)
+                                      : fmt::format("{} of {}", hits.brute_force_rays, hits.rays);
+        const std::string pixels =
+            scene.oracles_ran ? fmt::format("{}/{}", scene.image.identical, scene.image.pixels)
+                              : "-";
+        out +=
+            row(scene.scene, scene.triangles, scene.configurations.size(), scene.rays(), brute,
+                hits.embree_rays + hits.occlusion_rays, hits.ties, hits.grazing, hits.embree_wrong,
+                pixels, fmt::format("{:.1f}", scene.seconds), scene.passed() ? "passed" : "FAILED");
+        rays += scene.rays();
+        configurations += scene.configurations.size();
+    }
+    out += fmt::format("\n{} scenes, {} runs, {} rays, {} threads, {:.1f} s: {}\n",
+                       report.scenes.size(), configurations, rays, report.threads, report.seconds,
+                       report.passed() ? "passed" : "FAILED");
+    const auto failures = placed_failures(report);
+    if (failures.empty()) return out;
+    const PlacedFailure& first = failures.front();
+    const Failure& f = first.failure;
+    out += fmt::format("\nfirst failure: scene {}, {}\n  {}\n", first.scene, first.configuration,
+                       to_string(f));
+    out += fmt::format("  show it again: {}\n", first.replay);
+    if (failures.size() > 1) out += fmt::format("  and {} more\n", failures.size() - 1);
+    return out;
+}
+
+namespace {
+
+nlohmann::json number_or_null(std::uint32_t value) {
+    return value == reference::kNotApplicable ? nlohmann::json(nullptr) : nlohmann::json(value);
+}
+
+nlohmann::json to_json(const PlacedFailure& placed) {
+    const Failure& f = placed.failure;
+    return {{"scene", placed.scene},
+            {"configuration", placed.configuration},
+            {"invariant", f.invariant},
+            {"stage", f.stage},
+            {"launch", number_or_null(f.launch)},
+            {"level", number_or_null(f.level)},
+            {"node", number_or_null(f.node)},
+            {"block", number_or_null(f.block)},
+            {"ray", number_or_null(f.ray)},
+            {"field", f.field},
+            {"expected", f.expected},
+            {"found", f.found},
+            {"sentence", f.sentence},
+            {"replay", placed.replay}};
+}
+
+nlohmann::json to_json(const ConfigurationReport& c) {
+    return {{"configuration", c.label},
+            {"passed", c.failures.empty()},
+            {"failures", c.counts.failures},
+            {"stages", c.counts.stages},
+            {"rays", c.rays},
+            {"entries", c.counts.entries},
+            {"pushes", c.counts.pushes},
+            {"missed", c.counts.missed},
+            {"culled", c.counts.culled},
+            {"leaf_hits", c.counts.leaf_hits},
+            {"retries", c.counts.retries},
+            {"non_finite", c.counts.non_finite},
+            {"seconds", c.seconds},
+            {"replay", c.replay}};
+}
+
+nlohmann::json to_json(const SceneReport& scene) {
+    nlohmann::json configurations = nlohmann::json::array();
+    for (const ConfigurationReport& c : scene.configurations) configurations.push_back(to_json(c));
+    return {{"scene", scene.scene},
+            {"source", scene.source},
+            {"passed", scene.passed()},
+            {"triangles", scene.triangles},
+            {"warnings", scene.warnings},
+            {"rays", scene.rays()},
+            {"oracles_ran", scene.oracles_ran},
+            {"hits",
+             {{"rays", scene.hits.rays},
+              {"brute_force_rays", scene.hits.brute_force_rays},
+              {"embree_rays", scene.hits.embree_rays},
+              {"occlusion_rays", scene.hits.occlusion_rays},
+              {"ties", scene.hits.ties},
+              {"grazing", scene.hits.grazing},
+              {"embree_wrong", scene.hits.embree_wrong},
+              {"ours_wrong", scene.hits.ours_wrong}}},
+            {"image",
+             {{"pixels", scene.image.pixels},
+              {"identical", scene.image.identical},
+              {"excused", scene.image.excused}}},
+            {"oracle_seconds", scene.oracle_seconds},
+            {"seconds", scene.seconds},
+            {"configurations", configurations}};
+}
+
+}  // namespace
+
+nlohmann::json to_json(const Report& report) {
+    nlohmann::json scenes = nlohmann::json::array();
+    for (const SceneReport& scene : report.scenes) scenes.push_back(to_json(scene));
+    nlohmann::json failures = nlohmann::json::array();
+    for (const PlacedFailure& failure : placed_failures(report)) {
+        failures.push_back(to_json(failure));
+    }
+    const auto& p = report.parameters;
+    return {{"passed", report.passed()},
+            {"command", report.command},
+            {"threads", report.threads},
+            {"image", {{"width", p.image_width}, {"height", p.image_height}}},
+            {"spp", p.spp},
+            {"bounces", p.bounces},
+            {"light_samples", p.light_samples},
+            {"seed", p.seed},
+            {"seconds", report.seconds},
+            {"failures", failures},
+            {"scenes", scenes}};
+}
+
+void write_file(const std::string& path, const std::string& text) {
+    namespace fs = std::filesystem;
+    const fs::path target(path);
+    std::error_code error;
+    if (target.has_parent_path()) fs::create_directories(target.parent_path(), error);
+    const std::string unfinished = path + ".unfinished";
+    {
+        std::ofstream file(unfinished, std::ios::binary);
+        file << text;
+        file.close();
+        if (!file) {
+            fs::remove(unfinished, error);
+            throw reference::Error::bad_input(path, "cannot be written");
+        }
+    }
+    fs::rename(unfinished, target, error);
+    if (error) {
+        const std::string why = error.message();
+        fs::remove(unfinished, error);
+        throw reference::Error::bad_input(path, "cannot be written: " + why);
+    }
+}
+
+}  // namespace scotty::verify

@@ -1,0 +1,75 @@
+/// What `scotty verify` found out, and the forms in which it says so.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "reference/pipeline_parameters.h"
+#include "verify/configurations.h"
+#include "verify/failure.h"
+#include "verify/hit_check.h"
+#include "verify/invariants.h"
+
+namespace scotty::verify {
+
+struct ConfigurationReport {
+    std::string label;
+    InvariantCounts counts;
+    std::uint64_t rays = 0;  ///< living rays traced
+    double seconds = 0.0;
+    std::vector<Failure> failures;  ///< invariants first, then differences from the baseline
+    std::string replay;             ///< command that runs this configuration on this scene alone
+};
+
+struct SceneReport {
+    std::string scene;   ///< its name
+    std::string source;  ///< what was asked for
+    std::uint64_t triangles = 0;
+    std::vector<std::string> warnings;
+    std::vector<ConfigurationReport> configurations;  ///< the baseline first
+    std::vector<Failure> bvh_failures;
+    bool oracles_ran = false;
+    HitCheckResult hits;
+    ImageCheckResult image;
+    double oracle_seconds = 0.0;
+    double seconds = 0.0;
+
+    std::uint64_t rays() const;  ///< of all configurations
+    bool passed() const;
+};
+
+struct Report {
+    reference::PipelineParameters parameters;  ///< what all configurations share
+    std::size_t threads = 0;
+    std::string command;  ///< as given
+    std::vector<SceneReport> scenes;
+    double seconds = 0.0;
+
+    bool passed() const;
+};
+
+/// A failure with the configuration in which it arose and the command that shows it again.
+struct PlacedFailure {
+    std::string scene;
+    std::string configuration;
+    Failure failure;
+    std::string replay;
+};
+/// The one that leads: the first scene's first, a broken BVH before the baseline's invariants,
+/// those before the other configurations', the oracles last. Empty where everything passed.
+std::vector<PlacedFailure> placed_failures(const Report& report);
+
+/// The table that ends `scotty verify`, with the leading failure below it.
+std::string table(const Report& report);
+nlohmann::json to_json(const Report& report);
+std::string to_junit(const Report& report);
+/// One file, no network: the verdicts and failures.
+std::string to_html(const Report& report);
+
+/// Writes a whole file, or throws bad_input naming it. Creates its folder; never leaves half a
+/// file.
+void write_file(const std::string& path, const std::string& text);
+
+}  // namespace scotty::verify

@@ -1,0 +1,67 @@
+/// JUnit: a suite per scene; a case per configuration, per oracle and for the BVH.
+#include <fmt/format.h>
+
+#include <pugixml.hpp>
+#include <sstream>
+
+#include "verify/report.h"
+
+namespace scotty::verify {
+namespace {
+
+struct Suite {
+    pugi::xml_node node;
+    int tests = 0;
+    int failures = 0;
+
+    void add(const std::string& name, double seconds, const std::vector<Failure>& found,
+             const std::string& replay) {
+        pugi::xml_node test = node.append_child("testcase");
+        test.append_attribute("classname") = node.attribute("name").value();
+        test.append_attribute("name") = name.c_str();
+        test.append_attribute("time") = fmt::format("{:.3f}", seconds).c_str();
+        ++tests;
+        if (found.empty()) return;
+        ++failures;
+        pugi::xml_node failure = test.append_child("failure");
+        failure.append_attribute("message") = to_string(found.front()).c_str();
+        failure.append_attribute("type") = found.front().invariant.c_str();
+        std::string text;
+        for (const Failure& one : found) text += to_string(one) + "\n";
+        failure.append_child(pugi::node_pcdata).set_value((text + replay).c_str());
+    }
+};
+
+}  // namespace
+
+std::string to_junit(const Report& report) {
+    pugi::xml_document document;
+    pugi::xml_node declaration = document.prepend_child(pugi::node_declaration);
+    declaration.append_attribute("version") = "1.0";
+    declaration.append_attribute("encoding") = "UTF-8";
+    pugi::xml_node root = document.append_child("testsuites");
+    root.append_attribute("name") = "scotty verify";
+    for (const SceneReport& scene : report.scenes) {
+        Suite suite{root.append_child("testsuite")};
+        suite.node.append_attribute("name") = scene.scene.c_str();
+        const std::string baseline =
+            scene.configurations.empty() ? "" : scene.configurations.front().replay;
+        suite.add("BVH", 0.0, scene.bvh_failures, baseline);
+        for (const ConfigurationReport& c : scene.configurations) {
+            suite.add(c.label, c.seconds, c.failures, c.replay);
+        }
+        if (scene.oracles_ran) {
+            suite.add("hits against brute force and Embree", scene.oracle_seconds,
+                      scene.hits.failures, baseline);
+            suite.add("image against Embree", 0.0, scene.image.failures, baseline);
+        }
+        suite.node.append_attribute("tests") = suite.tests;
+        suite.node.append_attribute("failures") = suite.failures;
+        suite.node.append_attribute("time") = fmt::format("{:.3f}", scene.seconds).c_str();
+    }
+    std::ostringstream text;
+    document.save(text, "  ");
+    return text.str();
+}
+
+}  // namespace scotty::verify

@@ -1,0 +1,213 @@
+#include "verify/verify.h"
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "emulation/pipeline.h"
+#include "reference/embree_renderer.h"
+#include "reference/tracers.h"
+#include "reference/wide_bvh.h"
+#include "verify/recording.h"
+
+namespace scotty::verify {
+
+using reference::PipelineParameters;
+using reference::StageView;
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Passes stages through VerifySettings::tamper.
+class TamperingObserver : public reference::StageObserver {
+ public:
+    TamperingObserver(reference::StageObserver& to, const VerifySettings::Tamper& tamper,
+                      std::size_t configuration)
+        : to_(to), tamper_(tamper), configuration_(configuration) {}
+
+    void on_stage(const StageView& stage) override {
+        tamper_(stage, configuration_, [&](const StageView& shown) { to_.on_stage(shown); });
+    }
+    void on_retry(std::string_view stage, std::string_view reason) override {
+        to_.on_retry(stage, reason);
+    }
+
+ private:
+    reference::StageObserver& to_;
+    const VerifySettings::Tamper& tamper_;
+    std::size_t configuration_;
+};
+
+class SceneVerification {
+ public:
+    SceneVerification(const reference::Scene& scene, const VerifySettings& settings)
+        : scene_(scene), settings_(settings) {
+        report_.scene = scene.name;
+        report_.source = scene.source;
+        report_.triangles = scene.triangles.size();
+        report_.warnings = scene.warnings;
+    }
+
+    SceneReport run() {
+        const auto start = Clock::now();
+        const Configuration baseline = baseline_configuration(settings_.parameters);
+        std::vector<Configuration> others = configurations(settings_.parameters, settings_.filter);
+        std::erase_if(others, [&](const Configuration& c) {
+            return c.options() == baseline.options();  // it runs anyway
+        });
+        steps_ = 1 + (settings_.oracles ? 1 : 0) + others.size();
+        Recording truth = run_configuration(baseline, nullptr);
+        if (settings_.oracles) run_oracles(truth);
+        for (const Configuration& configuration : others) run_configuration(configuration, &truth);
+        report_.seconds = seconds_since(start);
+        return std::move(report_);
+    }
+
+ private:
+    void begin_step(const std::string& what) {
+        if (settings_.progress) settings_.progress(what, done_, steps_);
+        ++done_;
+    }
+
+    /// Built once a width, and valid before anything is traced through it.
+    const reference::WideBvh& bvh_of(int width) {
+        auto& bvh = bvhs_[width];
+        if (bvh.width == 0) {
+            bvh = reference::build_wide_bvh(
+                scene_, {width, settings_.parameters.max_leaf_size, settings_.threads});
+            for (const std::string& fault : reference::validate(bvh, scene_)) {
+                Failure failure;
+                failure.invariant = "bvh";
+                failure.stage = fmt::format("BVH of width {}", width);
+                failure.sentence = fault;
+                report_.bvh_failures.push_back(std::move(failure));
+            }
+        }
+        return bvh;
+    }
+
+    std::string replay_of(const Configuration& configuration) const {
+        const PipelineParameters& p = configuration.parameters;
+        std::string command = fmt::format(
+            "scotty verify '{}' --size {}x{} --spp {} --bounces {} --light-samples {} --seed {} "
+            "--leaf-size {} {}",
+            scene_.source.empty() ? scene_.name : scene_.source, p.image_width, p.image_height,
+            p.spp, p.bounces, p.light_samples, p.seed, p.max_leaf_size, configuration.options());
+        if (settings_.threads != 0) command += fmt::format(" --threads {}", settings_.threads);
+        return command;
+    }
+
+    /// Runs, judges every launch, and compares with the baseline where there is one.
+    Recording run_configuration(const Configuration& configuration, const Recording* baseline) {
+        begin_step(configuration.label());
+        const auto start = Clock::now();
+        const PipelineParameters& p = configuration.parameters;
+        const reference::WideBvh& bvh = bvh_of(p.width);
+        Recording recording;
+        Recorder recorder(p, recording);
+        InvariantChecker checker(scene_, bvh, p, {.stage_pattern = settings_.stage_pattern});
+        Observers observers({&checker, &recorder});
+        std::optional<TamperingObserver> tampering;
+        reference::StageObserver* observer = &observers;
+        if (settings_.tamper) {
+            observer =
+                &tampering.emplace(observers, settings_.tamper, report_.configurations.size());
+        }
+        ConfigurationReport& out = report_.configurations.emplace_back();
+        out.label =
+            baseline == nullptr ? "baseline: " + configuration.label() : configuration.label();
+        out.replay = replay_of(configuration);
+        try {
+            emulation::Pipeline pipeline(scene_, bvh, p, configuration.device(settings_.threads),
+                                         observer);
+            recording.image = pipeline.render();
+        } catch (const reference::Error& error) {
+            // What had been seen until then leads: it may well be the reason.
+            out.failures = checker.failures();
+            Failure failure;
+            failure.invariant = "error";
+            failure.stage = "render";
+            failure.sentence = error.what();
+            out.failures.push_back(std::move(failure));
+            out.counts = checker.counts();
+            out.counts.failures += 1;
+            return recording;
+        }
+        out.failures = checker.failures();
+        out.counts = checker.counts();
+        out.rays = recording.living_rays();
+        if (baseline != nullptr) {
+            const bool any = p.shadow_query == reference::ShadowQuery::any &&
+                             p.early_out != reference::EarlyOut::off;
+            for (Failure& difference : compare(*baseline, recording, any, p.spp)) {
+                if (!stage_matches(settings_.stage_pattern, difference.stage)) continue;
+                out.failures.push_back(std::move(difference));
+                ++out.counts.failures;
+            }
+        }
+        out.seconds = seconds_since(start);
+        return recording;
+    }
+
+    void run_oracles(const Recording& truth) {
+        begin_step("brute force and Embree");
+        const auto start = Clock::now();
+        const reference::EmbreeTracer embree(scene_);
+        const std::uint32_t spp = settings_.parameters.spp;
+        report_.hits = check_hits(
+            scene_, truth, embree, spp,
+            {settings_.brute_force_tests, settings_.parameters.seed, settings_.stage_pattern});
+        const bool whole =
+            truth.image.pixels.size() ==
+            std::size_t{settings_.parameters.image_width} * settings_.parameters.image_height;
+        if (whole && settings_.stage_pattern.empty()) {
+            PipelineParameters p = settings_.parameters;
+            p.filter = reference::Filter::none;
+            report_.image = check_image(
+                truth.image, reference::render_with_embree(scene_, p, embree, settings_.threads),
+                report_.hits.excused, spp);
+        }
+        report_.oracles_ran = true;
+        report_.oracle_seconds = seconds_since(start);
+    }
+
+    const reference::Scene& scene_;
+    const VerifySettings& settings_;
+    SceneReport report_;
+    std::map<int, reference::WideBvh> bvhs_;
+    std::size_t done_ = 0;
+    std::size_t steps_ = 0;
+};
+
+}  // namespace
+
+PipelineParameters default_verify_parameters() {
+    PipelineParameters p;
+    p.image_width = 45;
+    p.image_height = 37;
+    p.spp = 2;
+    p.bounces = 2;
+    p.light_samples = 2;
+    return p;
+}
+
+SceneReport verify_scene(const reference::Scene& scene, const VerifySettings& settings) {
+    reference::validate(settings.parameters);
+    std::optional<tbb::global_control> limit;
+    if (settings.threads != 0) {
+        limit.emplace(tbb::global_control::max_allowed_parallelism, settings.threads);
+    }
+    return SceneVerification(scene, settings).run();
+}
+
+}  // namespace scotty::verify

@@ -1,0 +1,40 @@
+/// The verification of scenes: baseline, oracles, and every other configuration against both.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "reference/scene.h"
+#include "reference/stage_observer.h"
+#include "verify/configurations.h"
+#include "verify/report.h"
+
+namespace scotty::verify {
+
+struct VerifySettings {
+    /// What all configurations share: image, samples, bounces, seed, leaf size.
+    reference::PipelineParameters parameters;
+    ConfigurationFilter filter;
+    std::size_t threads = 0;    ///< 0: all of the machine
+    std::string stage_pattern;  ///< judge these stages only
+    bool oracles = true;
+    std::uint64_t brute_force_tests = 200'000'000;  ///< see HitCheckSettings
+    /// Called before each step: what is being done, steps done, steps in all.
+    std::function<void(const std::string& what, std::size_t done, std::size_t total)> progress;
+    /// For tests of the verification itself: stands between a pipeline and everything that looks
+    /// at it, and may show them something else. `configuration` 0 is the baseline.
+    using Tamper =
+        std::function<void(const reference::StageView& stage, std::size_t configuration,
+                           const std::function<void(const reference::StageView&)>& show)>;
+    Tamper tamper;
+};
+
+/// A small image of an odd shape with two samples: enough rays for several blocks of every size,
+/// quick enough for a minute over all built-in scenes.
+reference::PipelineParameters default_verify_parameters();
+
+/// Never throws for a failed check: those are in the report.
+SceneReport verify_scene(const reference::Scene& scene, const VerifySettings& settings);
+
+}  // namespace scotty::verify
