@@ -10,8 +10,11 @@
 
 #include "reference/host_device.h"
 
-#if defined(__CUDACC__) && !defined(GLM_FORCE_CUDA)
+#if defined(__CUDACC__)
+#include <cuda.h>  // GLM looks at CUDA_VERSION
+#if !defined(GLM_FORCE_CUDA)
 #define GLM_FORCE_CUDA
+#endif
 #endif
 #include <glm/vec3.hpp>
 

@@ -1,0 +1,48 @@
+/// Scene and BVH in device memory.
+#pragma once
+
+#include <vector>
+
+#include "gpu/device_memory.h"
+#include "gpu/views.h"
+#include "reference/scene.h"
+#include "reference/wide_bvh.h"
+
+namespace scotty::gpu {
+
+class DeviceScene {
+ public:
+    DeviceScene(const reference::Scene& scene, const reference::WideBvh& bvh, MemoryBudget& budget);
+
+    reference::SceneView view() const { return view_; }
+    template <int Width>
+    BvhView<Width> bvh() const {
+        return {reinterpret_cast<const reference::WideNode<Width>*>(inner_.data()), leaves_.data(),
+                leaf_triangles_.data(), node_refs_.data()};
+    }
+    /// By node id: the parent's position in its level.
+    const std::uint32_t* parent_positions() const { return parent_positions_.data(); }
+    int width() const { return width_; }
+    const std::vector<std::uint32_t>& level_begins() const { return level_begins_; }
+    std::uint32_t level_count() const {
+        return static_cast<std::uint32_t>(level_begins_.size() - 1);
+    }
+    std::uint32_t level_nodes(std::uint32_t level) const {
+        return level < level_count() ? level_begins_[level + 1] - level_begins_[level] : 0;
+    }
+
+ private:
+    int width_;
+    std::vector<std::uint32_t> level_begins_;
+    reference::SceneView view_;
+    DeviceMemory<reference::Vec3> vertices_, normals_;
+    DeviceMemory<std::uint32_t> triangles_, material_of_;
+    DeviceMemory<reference::Material> materials_;
+    DeviceMemory<reference::Light> lights_;
+    DeviceMemory<std::uint8_t> inner_;
+    DeviceMemory<reference::Leaf> leaves_;
+    DeviceMemory<reference::LeafTriangle> leaf_triangles_;
+    DeviceMemory<std::uint32_t> node_refs_, parent_positions_;
+};
+
+}  // namespace scotty::gpu

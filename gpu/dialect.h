@@ -1,0 +1,94 @@
+/// The kernel dialect: the few words that let one kernel text be CUDA and, elsewhere, coroutines.
+///
+/// Under nvcc every word is plain CUDA. Another executor (emulation/) defines
+/// SCOTTY_DIALECT_HEADER and gives the same words its own meaning; docs/kernel-dialect.md lists
+/// them. Everything else in a kernel is ordinary C++ and the functions below, which carry the names
+/// of what they do on the device.
+#pragma once
+
+#include <cstdint>
+
+#if defined(SCOTTY_DIALECT_HEADER)
+#include SCOTTY_DIALECT_HEADER
+#else
+
+/// A kernel; its parameter list follows.
+#define SCOTTY_KERNEL(name) __global__ void name
+/// A device function without barriers or collectives.
+#define SCOTTY_DEVICE __device__ __forceinline__
+/// A device function with barriers or collectives; call it through SCOTTY_AWAIT.
+#define SCOTTY_COLLECTIVE(type) __device__ __forceinline__ type
+/// A barrier for the whole block.
+#define SCOTTY_SYNC() __syncthreads()
+/// Runs a warp collective or a SCOTTY_COLLECTIVE function.
+#define SCOTTY_AWAIT(call) (call)
+/// return in a kernel or SCOTTY_COLLECTIVE function.
+#define SCOTTY_RETURN return
+/// Shared memory of the block.
+#define SCOTTY_SHARED(type, name) __shared__ type name
+
+namespace scotty::gpu {
+
+constexpr std::uint32_t kWarpSize = 32;
+
+SCOTTY_DEVICE std::uint32_t thread_index() { return threadIdx.x; }
+SCOTTY_DEVICE std::uint32_t block_size() { return blockDim.x; }
+SCOTTY_DEVICE std::uint32_t block_index() { return blockIdx.x; }
+SCOTTY_DEVICE std::uint32_t grid_size() { return gridDim.x; }
+SCOTTY_DEVICE std::uint32_t lane_index() { return threadIdx.x % kWarpSize; }
+SCOTTY_DEVICE std::uint32_t warp_index() { return threadIdx.x / kWarpSize; }
+
+/// Bit i: the predicate of lane i. All lanes of the warp take part.
+SCOTTY_DEVICE std::uint32_t warp_ballot(bool predicate) {
+    return __ballot_sync(0xffffffffu, predicate);
+}
+/// The value that the lane `delta` below holds; the lane's own where there is none.
+SCOTTY_DEVICE std::uint32_t warp_shuffle_up(std::uint32_t value, std::uint32_t delta) {
+    return __shfl_up_sync(0xffffffffu, value, delta);
+}
+SCOTTY_DEVICE std::uint32_t count_bits(std::uint32_t bits) {
+    return static_cast<std::uint32_t>(__popc(bits));
+}
+SCOTTY_DEVICE std::uint32_t bits_below_lane(std::uint32_t bits) {
+    return bits & ((1u << lane_index()) - 1u);
+}
+
+SCOTTY_DEVICE std::uint32_t atomic_add(std::uint32_t* target, std::uint32_t value) {
+    return atomicAdd(target, value);
+}
+SCOTTY_DEVICE void atomic_max(std::uint32_t* target, std::uint32_t value) {
+    atomicMax(target, value);
+}
+SCOTTY_DEVICE void atomic_min(std::uint64_t* target, std::uint64_t value) {
+    atomicMin(reinterpret_cast<unsigned long long*>(target),
+              static_cast<unsigned long long>(value));
+}
+/// Distances are ordered by their bits as signed integers: right from +0 up, and for the negative
+/// "done" mark below all of them.
+SCOTTY_DEVICE void atomic_min_distance(float* target, float value) {
+    atomicMin(reinterpret_cast<int*>(target), __float_as_int(value));
+}
+/// A read while others may write (early-out `immediate`): never wrong, only late.
+SCOTTY_DEVICE float load_relaxed(const float* source) {
+    return *static_cast<const volatile float*>(source);
+}
+SCOTTY_DEVICE std::uint32_t float_bits(float value) { return __float_as_uint(value); }
+SCOTTY_DEVICE float bits_float(std::uint32_t bits) { return __uint_as_float(bits); }
+
+/// `count` 16-byte pieces at once: records are aligned for it.
+template <class Record>
+SCOTTY_DEVICE Record load_record(const Record* source) {
+    static_assert(sizeof(Record) % 16 == 0, "whole 16-byte loads");
+    union {
+        float4 pieces[sizeof(Record) / 16];
+        Record record;
+    } loaded;
+    const float4* from = reinterpret_cast<const float4*>(source);
+#pragma unroll
+    for (unsigned i = 0; i < sizeof(Record) / 16; ++i) loaded.pieces[i] = __ldg(from + i);
+    return loaded.record;
+}
+
+}  // namespace scotty::gpu
+
+#endif

@@ -1,0 +1,52 @@
+/// Kernel: the closest of a ray's buffered hits becomes its hit; barycentrics are computed here.
+#pragma once
+
+#include "gpu/dialect.h"
+#include "gpu/views.h"
+#include "reference/intersect_triangle.h"
+#include "reference/scene.h"
+
+namespace scotty::gpu {
+
+SCOTTY_DEVICE reference::HitCandidate closest_candidate(std::uint32_t ray_id, const HitView& hits) {
+    reference::HitCandidate best{reference::kInfinity, reference::kNone};
+    if (hits.packed_mode != 0) {
+        const std::uint64_t packed = hits.packed[ray_id];
+        if (packed != kNoPackedHit) {
+            best.t = bits_float(static_cast<std::uint32_t>(packed >> 32));
+            best.primitive = static_cast<std::uint32_t>(packed);
+        }
+        return best;
+    }
+    const std::uint32_t gathered = hits.counts[ray_id];
+    const std::uint32_t count = gathered < hits.capacity ? gathered : hits.capacity;
+    for (std::uint32_t slot = 0; slot < count; ++slot) {
+        const reference::HitCandidate candidate =
+            hits.candidates[static_cast<std::size_t>(ray_id) * hits.capacity + slot];
+        if (reference::closer(candidate.t, candidate.primitive, best.t, best.primitive)) {
+            best = candidate;
+        }
+    }
+    return best;
+}
+
+SCOTTY_KERNEL(merge_intersections)
+(std::uint32_t count, reference::SceneView scene, const reference::Ray* rays, HitView hits,
+ reference::Hit* merged) {
+    const std::uint32_t ray_id = block_index() * block_size() + thread_index();
+    if (ray_id >= count) SCOTTY_RETURN;
+    const reference::HitCandidate best = closest_candidate(ray_id, hits);
+    reference::Hit hit = reference::no_hit();
+    if (best.primitive != reference::kNone) {
+        const reference::Ray ray = load_record(rays + ray_id);
+        const std::uint32_t* corner =
+            scene.triangles + 3 * static_cast<std::size_t>(best.primitive);
+        reference::intersect_triangle_line(
+            ray.origin, reference::safe_inverse(ray.direction), reference::ray_shear(ray.direction),
+            scene.vertices[corner[0]], scene.vertices[corner[1]], scene.vertices[corner[2]], hit);
+        hit.primitive = best.primitive;
+    }
+    merged[ray_id] = hit;
+}
+
+}  // namespace scotty::gpu

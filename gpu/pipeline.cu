@@ -1,0 +1,334 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "gpu/direct_light_rays.h"
+#include "gpu/filter_bilateral.h"
+#include "gpu/filter_gaussian.h"
+#include "gpu/filter_median.h"
+#include "gpu/path_state.h"
+#include "gpu/pipeline.h"
+#include "gpu/primary_rays.h"
+#include "gpu/reconstruct_image.h"
+#include "gpu/resolve_light.h"
+#include "gpu/scene_rays.h"
+#include "gpu/traversal.h"
+#include "reference/assert.h"
+
+namespace scotty::gpu {
+
+using reference::buffer_view;
+using reference::Filter;
+using reference::Hit;
+using reference::PipelineParameters;
+using reference::Ray;
+using reference::StageKind;
+using reference::StagePlace;
+using reference::StageView;
+using reference::Vec3;
+
+namespace {
+
+constexpr std::uint32_t kThreads = 256;
+constexpr std::uint32_t kSmallestBatch = 1024;
+std::uint32_t blocks_for(std::uint32_t items) { return (items + kThreads - 1) / kThreads; }
+
+PipelineParameters checked(const PipelineParameters& parameters) {
+    reference::validate(parameters);
+    if (!find_device()) {
+        throw reference::Error::missing_environment(
+            "no CUDA device: the driver is not there or shows no device (see scotty doctor)");
+    }
+    return parameters;
+}
+
+class Stream {
+ public:
+    Stream() { check(cudaStreamCreate(&stream_), "creating a stream"); }
+    ~Stream() { cudaStreamDestroy(stream_); }
+    Stream(const Stream&) = delete;
+    Stream& operator=(const Stream&) = delete;
+    cudaStream_t get() const { return stream_; }
+
+ private:
+    cudaStream_t stream_ = nullptr;
+};
+
+}  // namespace
+
+class Pipeline::State {
+ public:
+    State(const reference::Scene& scene, const reference::WideBvh& bvh,
+          const PipelineParameters& parameters, const PipelineOptions& options,
+          reference::StageObserver* observer)
+        : parameters_(checked(parameters)),
+          budget_{options.memory_limit, 0},
+          scene_(scene, bvh, budget_),
+          log_(observer, options.timings),
+          paths_(budget_),
+          traversal_(scene_, parameters_, budget_, log_, stream_.get()),
+          trace_rays_(budget_),
+          trace_hits_(budget_) {
+        SCOTTY_ASSERT(bvh.width, ==, parameters.width);
+        path_ = {parameters.seed, parameters.image_width, parameters.image_height,
+                 parameters.light_samples, parameters.bounces};
+    }
+
+    reference::Image render();
+    void trace(std::span<const Ray> rays, TraversalKind kind, std::span<Hit> hits);
+    double time_trace(std::span<const Ray> rays, TraversalKind kind, int repeats);
+    LaunchLog& log() { return log_; }
+    std::size_t device_bytes() const { return budget_.used; }
+
+ private:
+    void render_in_batches();
+    void shade_vertex(StagePlace place);
+    void launch_primary_rays(const StagePlace& place, const BatchView& batch);
+    void launch_direct_light(const StagePlace& place);
+    void launch_resolve_light(const StagePlace& place);
+    void launch_scene_rays(const StagePlace& place);
+    void launch_reconstruct(const StagePlace& place, const BatchView& batch);
+    void launch_filter();
+    void show(StageKind kind, const StagePlace& place, std::uint32_t threads,
+              std::initializer_list<const char*> inputs,
+              std::initializer_list<const char*> outputs);
+
+    PipelineParameters parameters_;
+    reference::PathParameters path_;
+    MemoryBudget budget_;
+    Stream stream_;
+    DeviceScene scene_;
+    LaunchLog log_;
+    PathState paths_;
+    Traversal traversal_;
+    DeviceMemory<Ray> trace_rays_;
+    DeviceMemory<Hit> trace_hits_;
+};
+
+reference::Image Pipeline::State::render() {
+    for (;;) {
+        try {
+            render_in_batches();
+            break;
+        } catch (const OutOfDeviceMemory& error) {
+            if (parameters_.batch_rays <= kSmallestBatch) throw;
+            cudaStreamSynchronize(stream_.get());
+            traversal_.release();
+            paths_.release();
+            parameters_.batch_rays /= 2;
+            log_.retry("", std::string(error.what()) + "; again with batches of " +
+                               std::to_string(parameters_.batch_rays) + " rays");
+        }
+    }
+    const std::size_t pixels = std::size_t{parameters_.image_width} * parameters_.image_height;
+    return {parameters_.image_width, parameters_.image_height,
+            download(paths_.image.data(), pixels, "the image")};
+}
+
+void Pipeline::State::render_in_batches() {
+    const std::uint32_t pixels = parameters_.image_width * parameters_.image_height;
+    const std::uint32_t samples = std::min(parameters_.spp, parameters_.batch_rays);
+    const std::uint32_t pixels_at_once =
+        std::max(1u, std::min(pixels, parameters_.batch_rays / samples));
+    StagePlace place;
+    place.several_batches = pixels_at_once < pixels || samples < parameters_.spp;
+    paths_.image.resize(pixels, "the image");
+    for (std::uint32_t pixel = 0; pixel < pixels; pixel += pixels_at_once) {
+        for (std::uint32_t sample = 0; sample < parameters_.spp; sample += samples) {
+            const BatchView batch{pixel, std::min(pixels_at_once, pixels - pixel), sample,
+                                  std::min(samples, parameters_.spp - sample)};
+            paths_.resize(batch.pixels * batch.samples);
+            launch_primary_rays(place, batch);
+            place.bounce = 0;
+            traversal_.run(paths_.rays.data(), paths_.count(), TraversalKind::closest, place,
+                           paths_.path_hits.data());
+            for (; place.bounce <= parameters_.bounces; ++place.bounce) shade_vertex(place);
+            place.bounce = reference::kNotApplicable;
+            launch_reconstruct(place, batch);
+            ++place.batch;
+        }
+    }
+    if (parameters_.filter != Filter::none && parameters_.spp < parameters_.filter_threshold) {
+        launch_filter();
+    }
+    check(cudaStreamSynchronize(stream_.get()), "rendering");
+}
+
+void Pipeline::State::shade_vertex(StagePlace place) {
+    const TraversalKind query = parameters_.shadow_query == reference::ShadowQuery::any
+                                    ? TraversalKind::any
+                                    : TraversalKind::closest;
+    for (std::uint32_t light = 0; light < parameters_.light_samples; ++light) {
+        place.light = light;
+        launch_direct_light(place);
+        traversal_.run(paths_.shadow_rays.data(), paths_.count(), query, place,
+                       paths_.shadow_hits.data());
+        launch_resolve_light(place);
+    }
+    place.light = reference::kNotApplicable;
+    launch_scene_rays(place);
+    if (place.bounce == parameters_.bounces) return;
+    ++place.bounce;
+    traversal_.run(paths_.rays.data(), paths_.count(), TraversalKind::closest, place,
+                   paths_.path_hits.data());
+}
+
+void Pipeline::State::launch_primary_rays(const StagePlace& place, const BatchView& batch) {
+    log_.run(StageKind::primary_rays, place, blocks_for(batch.pixels), paths_.count(),
+             stream_.get(), [&] {
+                 primary_rays<<<blocks_for(batch.pixels), kThreads, 0, stream_.get()>>>(
+                     batch, scene_.view().camera, path_, paths_.view());
+             });
+    show(StageKind::primary_rays, place, batch.pixels, {},
+         {"rays", "throughput", "radiance", "potential", "pixel", "sample", "depth", "flags"});
+}
+
+void Pipeline::State::launch_direct_light(const StagePlace& place) {
+    const std::uint32_t count = paths_.count();
+    log_.run(StageKind::direct_light_rays, place, blocks_for(count), count, stream_.get(), [&] {
+        direct_light_rays<<<blocks_for(count), kThreads, 0, stream_.get()>>>(
+            count, scene_.view(), path_, place.bounce, place.light, paths_.view(),
+            paths_.path_hits.data(), paths_.shadow_rays.data());
+    });
+    show(StageKind::direct_light_rays, place, count, {"rays", "path_hits", "throughput", "flags"},
+         {"shadow_rays", "potential"});
+}
+
+void Pipeline::State::launch_resolve_light(const StagePlace& place) {
+    const std::uint32_t count = paths_.count();
+    log_.run(StageKind::resolve_light, place, blocks_for(count), count, stream_.get(), [&] {
+        resolve_light<<<blocks_for(count), kThreads, 0, stream_.get()>>>(
+            count, paths_.shadow_rays.data(), paths_.shadow_hits.data(), paths_.view());
+    });
+    show(StageKind::resolve_light, place, count, {"shadow_rays", "shadow_hits", "potential"},
+         {"radiance"});
+}
+
+void Pipeline::State::launch_scene_rays(const StagePlace& place) {
+    const std::uint32_t count = paths_.count();
+    log_.run(StageKind::scene_rays, place, blocks_for(count), count, stream_.get(), [&] {
+        scene_rays<<<blocks_for(count), kThreads, 0, stream_.get()>>>(
+            count, scene_.view(), path_, place.bounce, paths_.path_hits.data(), paths_.view());
+    });
+    show(StageKind::scene_rays, place, count, {"path_hits"},
+         {"rays", "throughput", "radiance", "flags", "depth"});
+}
+
+void Pipeline::State::launch_reconstruct(const StagePlace& place, const BatchView& batch) {
+    log_.run(StageKind::reconstruct_image, place, blocks_for(batch.pixels), paths_.count(),
+             stream_.get(), [&] {
+                 reconstruct_image<<<blocks_for(batch.pixels), kThreads, 0, stream_.get()>>>(
+                     batch, parameters_.spp, paths_.radiance.data(), paths_.image.data());
+             });
+    show(StageKind::reconstruct_image, place, batch.pixels, {"radiance", "pixel"}, {"image"});
+}
+
+void Pipeline::State::launch_filter() {
+    const auto pixels = static_cast<std::uint32_t>(paths_.image.size());
+    paths_.filtered.resize(pixels, "the filtered image");
+    const FilterView view{parameters_.image_width, parameters_.image_height, paths_.image.data(),
+                          paths_.filtered.data()};
+    log_.run(StageKind::filter, {}, blocks_for(pixels), pixels, stream_.get(), [&] {
+        switch (parameters_.filter) {
+            case Filter::gaussian:
+                filter_gaussian<<<blocks_for(pixels), kThreads, 0, stream_.get()>>>(view);
+                break;
+            case Filter::bilateral:
+                filter_bilateral<<<blocks_for(pixels), kThreads, 0, stream_.get()>>>(view);
+                break;
+            default:
+                filter_median<<<blocks_for(pixels), kThreads, 0, stream_.get()>>>(view);
+                break;
+        }
+    });
+    show(StageKind::filter, {}, pixels, {"image"}, {"filtered"});
+    swap(paths_.image, paths_.filtered);
+}
+
+void Pipeline::State::show(StageKind kind, const StagePlace& place, std::uint32_t threads,
+                           std::initializer_list<const char*> inputs,
+                           std::initializer_list<const char*> outputs) {
+    if (!log_.wants(kind)) return;
+    StageView stage = log_.stage(kind, place, blocks_for(threads), kThreads);
+    if (kind == StageKind::filter) {
+        stage.name = std::string("filter_") + reference::to_string(parameters_.filter);
+    }
+    HostPathState host(paths_);
+    for (const char* name : inputs) stage.inputs.push_back(host.view(name));
+    for (const char* name : outputs) stage.outputs.push_back(host.view(name));
+    log_.show(stage);
+}
+
+void Pipeline::State::trace(std::span<const Ray> rays, TraversalKind kind, std::span<Hit> hits) {
+    SCOTTY_ASSERT(rays.size(), ==, hits.size());
+    StagePlace place;
+    place.several_batches = rays.size() > parameters_.batch_rays;
+    for (std::size_t first = 0; first < rays.size(); first += parameters_.batch_rays) {
+        const std::size_t count =
+            std::min<std::size_t>(parameters_.batch_rays, rays.size() - first);
+        trace_rays_.upload(rays.subspan(first, count), "rays");
+        trace_hits_.resize(count, "hits");
+        traversal_.run(trace_rays_.data(), static_cast<std::uint32_t>(count), kind, place,
+                       trace_hits_.data());
+        check(cudaMemcpy(hits.data() + first, trace_hits_.data(), count * sizeof(Hit),
+                         cudaMemcpyDeviceToHost),
+              "copying hits");
+        ++place.batch;
+    }
+}
+
+double Pipeline::State::time_trace(std::span<const Ray> rays, TraversalKind kind, int repeats) {
+    trace_rays_.upload(rays, "rays");
+    trace_hits_.resize(rays.size(), "hits");
+    const auto count = static_cast<std::uint32_t>(rays.size());
+    log_.keep_records(false);
+    std::vector<double> seconds;
+    cudaEvent_t begin = nullptr;
+    cudaEvent_t end = nullptr;
+    check(cudaEventCreate(&begin), "creating an event");
+    check(cudaEventCreate(&end), "creating an event");
+    for (int round = -2; round < repeats; ++round) {
+        if (round < 0) {
+            traversal_.run(trace_rays_.data(), count, kind, {}, trace_hits_.data());
+            continue;
+        }
+        float milliseconds = 0.0f;
+        check(cudaEventRecord(begin, stream_.get()), "recording an event");
+        traversal_.enqueue(trace_rays_.data(), count, kind, {}, trace_hits_.data());
+        check(cudaEventRecord(end, stream_.get()), "recording an event");
+        check(cudaEventSynchronize(end), "tracing");
+        check(cudaEventElapsedTime(&milliseconds, begin, end), "timing");
+        seconds.push_back(1e-3 * static_cast<double>(milliseconds));
+    }
+    cudaEventDestroy(begin);
+    cudaEventDestroy(end);
+    log_.keep_records(true);
+    std::sort(seconds.begin(), seconds.end());
+    return seconds[seconds.size() / 2];
+}
+
+Pipeline::Pipeline(const reference::Scene& scene, const reference::WideBvh& bvh,
+                   const PipelineParameters& parameters, const PipelineOptions& options,
+                   reference::StageObserver* observer)
+    : state_(std::make_unique<State>(scene, bvh, parameters, options, observer)) {}
+Pipeline::~Pipeline() = default;
+
+reference::Image Pipeline::render() { return state_->render(); }
+void Pipeline::trace(std::span<const Ray> rays, TraversalKind kind, std::span<Hit> hits) {
+    state_->trace(rays, kind, hits);
+}
+double Pipeline::time_trace(std::span<const Ray> rays, TraversalKind kind, int repeats) {
+    return state_->time_trace(rays, kind, repeats);
+}
+const std::vector<LaunchRecord>& Pipeline::launches() const {
+    state_->log().resolve_times();
+    return state_->log().records();
+}
+void Pipeline::clear_launches() {
+    state_->log().resolve_times();
+    state_->log().records().clear();
+}
+std::size_t Pipeline::device_bytes() const { return state_->device_bytes(); }
+
+}  // namespace scotty::gpu

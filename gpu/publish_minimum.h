@@ -1,0 +1,14 @@
+/// Kernel: (early-out `level` only) what a level has lowered becomes what the next one reads.
+#pragma once
+
+#include "gpu/dialect.h"
+#include "gpu/views.h"
+
+namespace scotty::gpu {
+
+SCOTTY_KERNEL(publish_minimum)(std::uint32_t count, const float* lowered, float* minimum) {
+    const std::uint32_t ray_id = block_index() * block_size() + thread_index();
+    if (ray_id < count) minimum[ray_id] = lowered[ray_id];
+}
+
+}  // namespace scotty::gpu

@@ -1,0 +1,265 @@
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "gpu/clear_traversal.h"
+#include "gpu/intersect.h"
+#include "gpu/intersect_root.h"
+#include "gpu/merge_intersections.h"
+#include "gpu/publish_minimum.h"
+#include "gpu/scan_counts.h"
+#include "gpu/traversal.h"
+
+namespace scotty::gpu {
+
+using reference::EarlyOut;
+using reference::HitMode;
+using reference::StageKind;
+using reference::StagePlace;
+
+namespace {
+
+constexpr std::uint32_t kItemThreads = 256;
+std::uint32_t item_blocks(std::uint32_t items) { return (items + kItemThreads - 1) / kItemThreads; }
+
+/// How many blocks of the level kernel the device holds at once.
+template <int Width>
+std::uint32_t resident_blocks(int rays_per_block) {
+    int device = 0;
+    int multiprocessors = 0;
+    int a_multiprocessor = 0;
+    check(cudaGetDevice(&device), "asking for the device");
+    check(cudaDeviceGetAttribute(&multiprocessors, cudaDevAttrMultiProcessorCount, device),
+          "asking for multiprocessors");
+    check(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&a_multiprocessor, intersect<Width>,
+                                                        rays_per_block, 0),
+          "asking for the occupancy of the level kernel");
+    return static_cast<std::uint32_t>(std::max(1, multiprocessors * a_multiprocessor));
+}
+
+std::uint32_t resident_blocks(int width, int rays_per_block) {
+    switch (width) {
+        case 2:
+            return resident_blocks<2>(rays_per_block);
+        case 4:
+            return resident_blocks<4>(rays_per_block);
+        case 8:
+            return resident_blocks<8>(rays_per_block);
+        default:
+            return resident_blocks<16>(rays_per_block);
+    }
+}
+
+}  // namespace
+
+Traversal::Traversal(const DeviceScene& scene, const reference::PipelineParameters& parameters,
+                     MemoryBudget& budget, LaunchLog& log, cudaStream_t stream)
+    : scene_(scene),
+      parameters_(parameters),
+      log_(log),
+      stream_(stream),
+      resident_blocks_(resident_blocks(scene.width(), parameters.rays_per_block)),
+      hit_capacity_(parameters.hit_capacity),
+      node_counts_(budget),
+      queue_offsets_(budget),
+      block_offsets_(budget),
+      queue_(budget),
+      child_queue_(budget),
+      hit_counts_(budget),
+      candidates_(budget),
+      packed_(budget),
+      minimum_(budget),
+      lowered_(budget),
+      faults_(budget) {}
+
+void Traversal::release() {
+    for (auto* buffer : {&queue_, &child_queue_, &hit_counts_}) buffer->release();
+    candidates_.release();
+    packed_.release();
+    minimum_.release();
+    lowered_.release();
+}
+
+void Traversal::run(const reference::Ray* rays, std::uint32_t count, reference::TraversalKind kind,
+                    const StagePlace& place, reference::Hit* merged) {
+    do {
+        enqueue(rays, count, kind, place, merged);
+    } while (grow(place));
+}
+
+void Traversal::enqueue(const reference::Ray* rays, std::uint32_t count,
+                        reference::TraversalKind kind, const StagePlace& place,
+                        reference::Hit* merged) {
+    rays_ = rays;
+    count_ = count;
+    kind_ = kind;
+    prepare(count);
+    clear(place);
+    for (std::uint32_t level = 0; level < scene_.level_count(); ++level) {
+        const StagePlace here = place.at_level(level);
+        if (log_.observed()) {
+            // The emulator stops at the first empty level; show no more than it does.
+            const LevelView view = level_view(level);
+            const auto counts = download(view.node_counts, view.node_count, "queue lengths");
+            if (std::all_of(counts.begin(), counts.end(), [](auto c) { return c == 0; })) break;
+        }
+        launch_level(here);
+        if (parameters_.early_out == EarlyOut::level) launch_publish(here);
+        swap(queue_, child_queue_);
+    }
+    launch_merge(place, merged);
+}
+
+void Traversal::prepare(std::uint32_t count) {
+    const std::size_t nodes = scene_.level_begins().back();
+    const std::size_t offsets = nodes + 2 * scene_.level_count() + 2;
+    node_counts_.resize(nodes, "queue lengths");
+    queue_offsets_.resize(offsets, "queue offsets");
+    block_offsets_.resize(offsets, "block offsets");
+    faults_.resize(1, "fault flags");
+    queue_capacity_ = std::max(queue_capacity_, 2 * static_cast<std::size_t>(count) *
+                                                    static_cast<std::size_t>(scene_.width()));
+    queue_.resize(queue_capacity_, "ray queues");
+    child_queue_.resize(queue_capacity_, "ray queues");
+    if (parameters_.hit_mode == HitMode::packed) {
+        packed_.resize(count, "packed hits");
+    } else {
+        hit_counts_.resize(count, "hit counts");
+        candidates_.resize(std::size_t{count} * hit_capacity_, "the multi-intersection buffer");
+    }
+    if (culls()) minimum_.resize(count, "minimum distances");
+    if (parameters_.early_out == EarlyOut::level) lowered_.resize(count, "minimum distances");
+}
+
+void Traversal::clear(const StagePlace& place) {
+    check(cudaMemsetAsync(node_counts_.data(), 0, node_counts_.size() * 4, stream_),
+          "clearing queue lengths");
+    check(cudaMemsetAsync(faults_.data(), 0, sizeof(FaultView), stream_), "clearing fault flags");
+    check(cudaMemcpyAsync(node_counts_.data(), &count_, 4, cudaMemcpyHostToDevice, stream_),
+          "setting the root's queue length");
+    clear_traversal<<<item_blocks(count_), kItemThreads, 0, stream_>>>(
+        count_, rays_, hit_view(), culls() ? minimum_.data() : nullptr,
+        parameters_.early_out == EarlyOut::level ? lowered_.data() : nullptr);
+    check(cudaGetLastError(), "clearing before " + place.name(StageKind::merge_intersections));
+}
+
+void Traversal::launch_level(const StagePlace& place) {
+    const LevelView level = level_view(place.level);
+    log_.run(StageKind::scan_counts, place, 2, level.node_count, stream_, [&] {
+        scan_counts<<<2, kScanThreads, 0, stream_>>>(
+            level, static_cast<std::uint32_t>(parameters_.rays_per_block));
+    });
+    if (log_.wants(StageKind::scan_counts)) show_scan(place, level);
+    const StageKind kind = place.level == 0 ? StageKind::intersect_root : StageKind::intersect;
+    log_.run(kind, place, resident_blocks_, place.level == 0 ? count_ : 0, stream_, [&] {
+        switch (scene_.width()) {
+            case 2:
+                launch_intersect<2>(place, level);
+                break;
+            case 4:
+                launch_intersect<4>(place, level);
+                break;
+            case 8:
+                launch_intersect<8>(place, level);
+                break;
+            default:
+                launch_intersect<16>(place, level);
+                break;
+        }
+    });
+    if (log_.wants(kind)) show_level(place, level);
+}
+
+template <int Width>
+void Traversal::launch_intersect(const StagePlace& place, const LevelView& level) {
+    const auto threads = static_cast<std::uint32_t>(parameters_.rays_per_block);
+    if (place.level == 0) {
+        const std::uint32_t blocks = (count_ + threads - 1) / threads;
+        intersect_root<Width><<<std::min(blocks, resident_blocks_), threads, 0, stream_>>>(
+            scene_.bvh<Width>(), rays_, count_, level, minimum_view());
+    } else {
+        const bool strided = parameters_.block_order == reference::BlockOrder::strided;
+        intersect<Width><<<resident_blocks_, threads, 0, stream_>>>(
+            scene_.bvh<Width>(), rays_, level, hit_view(), minimum_view(), strided);
+    }
+}
+
+void Traversal::launch_publish(const StagePlace& place) {
+    log_.run(StageKind::publish_minimum, place, item_blocks(count_), count_, stream_, [&] {
+        publish_minimum<<<item_blocks(count_), kItemThreads, 0, stream_>>>(count_, lowered_.data(),
+                                                                           minimum_.data());
+    });
+    if (log_.wants(StageKind::publish_minimum)) show_publish(place);
+}
+
+void Traversal::launch_merge(const StagePlace& place, reference::Hit* merged) {
+    log_.run(StageKind::merge_intersections, place, item_blocks(count_), count_, stream_, [&] {
+        merge_intersections<<<item_blocks(count_), kItemThreads, 0, stream_>>>(
+            count_, scene_.view(), rays_, hit_view(), merged);
+    });
+    if (log_.wants(StageKind::merge_intersections)) show_merge(place, merged);
+}
+
+bool Traversal::grow(const StagePlace& place) {
+    FaultView faults{};
+    check(cudaMemcpyAsync(&faults, faults_.data(), sizeof(faults), cudaMemcpyDeviceToHost, stream_),
+          "reading the fault flags of " + place.name(StageKind::merge_intersections));
+    check(cudaStreamSynchronize(stream_), "running " + place.name(StageKind::merge_intersections));
+    const std::string stage = place.name(StageKind::merge_intersections);
+    if (faults.queue_needed != 0) {
+        const std::string sizes = std::to_string(faults.queue_needed) + " entries, capacity " +
+                                  std::to_string(queue_capacity_);
+        queue_capacity_ = std::max<std::size_t>(faults.queue_needed, 2 * queue_capacity_);
+        log_.retry(stage, "a level's queues need " + sizes);
+        return true;
+    }
+    if (faults.node_overflow != 0) {
+        throw reference::Error::internal(stage + ": the queue of node " +
+                                         std::to_string(faults.node_overflow - 1) +
+                                         " got more rays than its region has slots");
+    }
+    if (faults.hits_needed != 0) {
+        const std::string sizes = std::to_string(faults.hits_needed) + " hits, the buffer had " +
+                                  std::to_string(hit_capacity_) + " slots";
+        hit_capacity_ = std::max(faults.hits_needed, 2 * hit_capacity_);
+        log_.retry(stage, "a ray has " + sizes);
+        return true;
+    }
+    return false;
+}
+
+LevelView Traversal::level_view(std::uint32_t level) const {
+    const auto& begins = scene_.level_begins();
+    const std::uint32_t first = begins[level];
+    const std::uint32_t next = begins[level + 1];
+    return {first,
+            scene_.level_nodes(level),
+            next,
+            scene_.level_nodes(level + 1),
+            static_cast<std::uint32_t>(std::min<std::size_t>(queue_capacity_, 0xffffffffu)),
+            scene_.parent_positions() + next,
+            node_counts_.data() + first,
+            queue_offsets_.data() + first + level,
+            queue_.data(),
+            block_offsets_.data() + first + level,
+            node_counts_.data() + next,
+            queue_offsets_.data() + next + level + 1,
+            child_queue_.data(),
+            faults_.data()};
+}
+
+HitView Traversal::hit_view() const {
+    return {parameters_.hit_mode == HitMode::packed ? 1u : 0u,
+            hit_capacity_,
+            hit_counts_.data(),
+            candidates_.data(),
+            packed_.data(),
+            faults_.data()};
+}
+
+MinimumView Traversal::minimum_view() const {
+    return {culls() ? 1u : 0u, kind_ == reference::TraversalKind::any ? 1u : 0u, minimum_.data(),
+            parameters_.early_out == EarlyOut::level ? lowered_.data() : minimum_.data()};
+}
+
+}  // namespace scotty::gpu

@@ -1,0 +1,80 @@
+/// The host side of one breadth-first traversal on the device.
+///
+/// All launches of a traversal are queued without waiting: block counts stay on the device, queue
+/// capacity is checked there, and the host looks at the fault flags once, at the end.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <cstdint>
+#include <span>
+
+#include "gpu/device_memory.h"
+#include "gpu/device_scene.h"
+#include "gpu/launch_log.h"
+#include "gpu/views.h"
+#include "reference/pipeline_parameters.h"
+
+namespace scotty::gpu {
+
+class Traversal {
+ public:
+    Traversal(const DeviceScene& scene, const reference::PipelineParameters& parameters,
+              MemoryBudget& budget, LaunchLog& log, cudaStream_t stream);
+
+    /// One hit per ray into `merged`; both in device memory. Grows queues and hit buffers and runs
+    /// again until nothing was too small. Throws OutOfDeviceMemory where it cannot grow.
+    void run(const reference::Ray* rays, std::uint32_t count, reference::TraversalKind kind,
+             const reference::StagePlace& place, reference::Hit* merged);
+
+    /// Queues one traversal without looking at its faults: what is timed, after run() has sized
+    /// the buffers for the same rays.
+    void enqueue(const reference::Ray* rays, std::uint32_t count, reference::TraversalKind kind,
+                 const reference::StagePlace& place, reference::Hit* merged);
+
+    void release();
+
+ private:
+    void prepare(std::uint32_t count);
+    void clear(const reference::StagePlace& place);
+    void launch_level(const reference::StagePlace& place);
+    void launch_publish(const reference::StagePlace& place);
+    void launch_merge(const reference::StagePlace& place, reference::Hit* merged);
+    template <int Width>
+    void launch_intersect(const reference::StagePlace& place, const LevelView& level);
+    /// True when something grew and the traversal has to run again.
+    bool grow(const reference::StagePlace& place);
+    void show_scan(const reference::StagePlace& place, const LevelView& level);
+    void show_level(const reference::StagePlace& place, const LevelView& level);
+    void show_publish(const reference::StagePlace& place);
+    void show_merge(const reference::StagePlace& place, const reference::Hit* merged);
+
+    LevelView level_view(std::uint32_t level) const;
+    HitView hit_view() const;
+    MinimumView minimum_view() const;
+    bool culls() const { return parameters_.early_out != reference::EarlyOut::off; }
+
+    const DeviceScene& scene_;
+    const reference::PipelineParameters& parameters_;
+    LaunchLog& log_;
+    cudaStream_t stream_;
+    std::uint32_t resident_blocks_;  ///< of the level kernel, on the whole device
+
+    const reference::Ray* rays_ = nullptr;
+    std::uint32_t count_ = 0;
+    reference::TraversalKind kind_ = reference::TraversalKind::closest;
+
+    std::size_t queue_capacity_ = 0;
+    std::uint32_t hit_capacity_;
+    DeviceMemory<std::uint32_t> node_counts_;    ///< by node id
+    DeviceMemory<std::uint32_t> queue_offsets_;  ///< by node id + level: levels end with a total
+    DeviceMemory<std::uint32_t> block_offsets_;  ///< the same
+    DeviceMemory<std::uint32_t> queue_, child_queue_;
+    DeviceMemory<std::uint32_t> hit_counts_;
+    DeviceMemory<reference::HitCandidate> candidates_;
+    DeviceMemory<std::uint64_t> packed_;
+    DeviceMemory<float> minimum_, lowered_;
+    DeviceMemory<FaultView> faults_;
+};
+
+}  // namespace scotty::gpu
