@@ -171,7 +171,12 @@ json check_gltf(const std::string& path, Notes& notes) {
     if (root.is_discarded() || !root.is_object()) {
         throw Error::bad_input(path, "not well-formed glTF (JSON); the file may be truncated");
     }
-    GltfChecker(path, root).check();
+    try {
+        GltfChecker(path, root).check();
+        gltf_triangles(root);
+    } catch (const json::exception& wrong) {
+        throw Error::bad_input(path, fmt::format("not glTF as specified: {}", wrong.what()));
+    }
     const auto used = root.find("extensionsUsed");
     if (used != root.end() && used->is_array()) {
         for (const json& extension : *used) {
@@ -181,6 +186,25 @@ json check_gltf(const std::string& path, Notes& notes) {
         }
     }
     return root;
+}
+
+std::uint64_t gltf_triangles(const json& root) {
+    constexpr int kTriangles = 4;
+    const json accessors = root.value("accessors", json::array());
+    std::uint64_t total = 0;
+    for (const json& mesh : root.value("meshes", json::array())) {
+        for (const json& primitive : mesh.value("primitives", json::array())) {
+            if (!primitive.is_object() || primitive.value("mode", kTriangles) != kTriangles)
+                continue;
+            const json attributes = primitive.value("attributes", json::object());
+            const std::uint64_t none = kNoIndex;
+            const std::uint64_t corners =
+                primitive.value("indices", attributes.value("POSITION", none));
+            if (corners >= accessors.size()) continue;
+            total += accessors[corners].value("count", std::uint64_t{0}) / 3;
+        }
+    }
+    return total;
 }
 
 }  // namespace scotty::scenes

@@ -3,10 +3,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <string_view>
 
 #include "reference/error.h"
 #include "scenes/file_checks.h"
+#include "scenes/parse_number.h"
 
 namespace scotty::scenes {
 
@@ -98,13 +100,9 @@ class ObjChecker {
     void check_vertex(std::string_view line) {
         ++vertices_;
         for (int k = 0; k < 3; ++k) {
-            std::string_view word = next_word(line);
-            if (!word.empty() && word.front() == '+') word.remove_prefix(1);
-            float value = 0.0f;
-            const char* end = word.data() + word.size();
-            const auto [stop, status] = std::from_chars(word.data(), end, value);
-            const bool tiny = status == std::errc::result_out_of_range && std::abs(value) < 1.0f;
-            if ((status != std::errc() && !tiny) || stop != end || !std::isfinite(value)) {
+            const std::string_view word = next_word(line);
+            const std::optional<double> value = parse_finite(word);
+            if (!value || std::abs(*value) > std::numeric_limits<float>::max()) {
                 fail(fmt::format("vertex {}: expected three finite numbers, found '{}'", vertices_,
                                  word));
             }

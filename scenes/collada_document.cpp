@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 #include <charconv>
-#include <cmath>
 #include <cstring>
+
+#include "scenes/parse_number.h"
 
 namespace scotty::scenes {
 
@@ -95,15 +96,13 @@ pugi::xml_node ColladaDocument::target(pugi::xml_node user, const char* attribut
 std::vector<double> ColladaDocument::numbers(pugi::xml_node element) const {
     std::vector<double> values;
     for_each_word(element, [&](const char* begin, const char* end, std::size_t index) {
-        double value = 0.0;
-        const auto [stop, status] = std::from_chars(begin + (*begin == '+' ? 1 : 0), end, value);
-        // A number too small for a double is as good as zero, one too large is not a number.
-        const bool tiny = status == std::errc::result_out_of_range && std::abs(value) < 1.0;
-        if ((status != std::errc() && !tiny) || stop != end || !std::isfinite(value)) {
-            throw error(element, fmt::format("value {}: expected a finite number, found '{}'",
-                                             index, std::string(begin, end)));
+        const std::string_view word(begin, static_cast<std::size_t>(end - begin));
+        const std::optional<double> value = parse_finite(word);
+        if (!value) {
+            throw error(element,
+                        fmt::format("value {}: expected a finite number, found '{}'", index, word));
         }
-        values.push_back(value);
+        values.push_back(*value);
     });
     return values;
 }

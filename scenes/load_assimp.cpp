@@ -66,16 +66,9 @@ class AssimpLoader {
         if (source_ == nullptr || source_->mRootNode == nullptr) {
             throw Error::bad_input(path_, importer_.GetErrorString());
         }
+        if (format_ == Format::gltf) check_triangle_count();
         notes_.add("an animation is not supported: the scene stands still",
                    source_->mNumAnimations);
-        for (unsigned i = 0; i < source_->mNumMaterials; ++i) {
-            if (format_ == Format::ply) break;
-            add_material(scene_, scenes::from_assimp(*source_->mMaterials[i], notes_));
-        }
-        if (format_ == Format::ply) {
-            notes_.add("PLY has no material: grey 0.5");
-            add_diffuse(scene_, Vec3(0.5f, 0.5f, 0.5f));
-        }
         walk(*source_->mRootNode, Affine{});
         if (scene_.triangles.empty()) {
             throw Error::bad_input(path_, "no triangles in the file, nothing to render");
@@ -88,6 +81,20 @@ class AssimpLoader {
     }
 
  private:
+    /// assimp leaves faces with a bad index out of a glTF file without a word: count them.
+    void check_triangle_count() const {
+        std::uint64_t loaded = 0;
+        for (unsigned i = 0; i < source_->mNumMeshes; ++i) {
+            const aiMesh& mesh = *source_->mMeshes[i];
+            if (mesh.mPrimitiveTypes & aiPrimitiveType_TRIANGLE) loaded += mesh.mNumFaces;
+        }
+        const std::uint64_t announced = gltf_triangles(json_);
+        if (loaded >= announced) return;
+        throw Error::bad_input(path_, fmt::format("meshes: {} of {} triangles have a vertex index "
+                                                  "out of range",
+                                                  announced - loaded, announced));
+    }
+
     void walk(const aiNode& node, const Affine& above) {
         const Affine place = above * from_assimp(node.mTransformation);
         for (unsigned i = 0; i < node.mNumMeshes; ++i) {
@@ -114,7 +121,7 @@ class AssimpLoader {
         if (mesh.HasVertexColors(0)) notes_.add("vertex colours are not supported: left out");
         const std::vector<std::uint32_t> vertex_of = add_vertices(mesh, place);
         const bool mirrored = place.determinant() < 0.0;
-        const std::uint32_t material = format_ == Format::ply ? 0 : mesh.mMaterialIndex;
+        const std::uint32_t material = material_of(mesh);
         for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
             const aiFace& face = mesh.mFaces[i];
             if (face.mNumIndices != 3) {
@@ -135,6 +142,22 @@ class AssimpLoader {
             if (mirrored) std::swap(corners[1], corners[2]);
             add_triangle(scene_, corners[0], corners[1], corners[2], material);
         }
+    }
+
+    /// assimp makes materials up that nothing uses: only those of meshes are looked at.
+    std::uint32_t material_of(const aiMesh& mesh) {
+        const unsigned number = mesh.mMaterialIndex;
+        const auto known = materials_.find(number);
+        if (known != materials_.end()) return known->second;
+        std::uint32_t index = 0;
+        if (format_ == Format::ply || number >= source_->mNumMaterials) {
+            notes_.add("a mesh without material: grey 0.5");
+            index = add_diffuse(scene_, Vec3(0.5f, 0.5f, 0.5f));
+        } else {
+            index = add_material(scene_, scenes::from_assimp(*source_->mMaterials[number], notes_));
+        }
+        materials_.emplace(number, index);
+        return index;
     }
 
     std::vector<std::uint32_t> add_vertices(const aiMesh& mesh, const Affine& place) {
@@ -208,6 +231,7 @@ class AssimpLoader {
     Scene scene_;
     Notes notes_;
     std::optional<reference::Camera> camera_;
+    std::map<unsigned, std::uint32_t> materials_;
 };
 
 }  // namespace
