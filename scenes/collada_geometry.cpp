@@ -197,14 +197,13 @@ void read_primitives(const ColladaDocument& document, pugi::xml_node primitives,
 }
 
 /// A part's key in the merger: parts with the same inputs share their vertices.
-std::string inputs_of(const ColladaDocument& document, pugi::xml_node primitives) {
+std::string inputs_of(pugi::xml_node primitives) {
     std::string key;
     for (const pugi::xml_node input : primitives.children("input")) {
         const std::string semantic = input.attribute("semantic").value();
         if (semantic != "VERTEX" && semantic != "NORMAL") continue;
         key += semantic + input.attribute("source").value() + ' ';
     }
-    static_cast<void>(document);
     return key;
 }
 
@@ -215,7 +214,7 @@ ColladaMesh read_mesh(const ColladaDocument& document, pugi::xml_node element, N
     for (const pugi::xml_node child : element.children()) {
         const std::string name = child.name();
         if (name == "triangles" || name == "polylist" || name == "polygons") {
-            const std::string inputs = inputs_of(document, child);
+            const std::string inputs = inputs_of(child);
             const auto found = std::find(known_inputs.begin(), known_inputs.end(), inputs);
             const auto number = static_cast<std::size_t>(found - known_inputs.begin());
             if (found == known_inputs.end()) known_inputs.push_back(inputs);
