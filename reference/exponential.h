@@ -1,6 +1,7 @@
 /// exp(-x) for kernels: exact arithmetic only, the same bits on CPU and GPU.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 
@@ -8,12 +9,12 @@
 
 namespace scotty::reference {
 
-/// exp(-x) for x >= 0, relative error below 2e-6; 0 from x = 87 on (before results get subnormal).
+/// exp(-x) for x >= 0, relative error below 5e-7; 0 from x = 87 on (before results get subnormal).
 SCOTTY_HD float exp_minus(float x) {
     if (!(x < 87.0f)) return 0.0f;
-    const float y = x * 1.44269504f;  // in powers of two
-    const std::int32_t whole = static_cast<std::int32_t>(y);
-    const float r = (y - static_cast<float>(whole)) * 0.69314718f;  // 0 .. ln 2
+    // To the nearest power of two, and what is left from x itself: of y it would keep the rounding.
+    const std::int32_t whole = static_cast<std::int32_t>(x * 1.44269504f + 0.5f);
+    const float r = fmaf(static_cast<float>(whole), -0.69314718f, x);  // -ln(2)/2 .. ln(2)/2
     const float fraction =
         1.0f + r * (-1.0f + r * (0.5f + r * (-1.6666667e-1f +
                                              r * (4.1666667e-2f +

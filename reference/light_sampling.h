@@ -27,8 +27,10 @@ SCOTTY_HD LightSample sample_area_light(const Light& light, const Vec3& from, fl
         v = 1.0f - v;
     }
     const Vec3 on_light = light.position + light.edge_x * u + light.edge_y * v;
-    // Off the light's front, so that geometry in the light's own plane does not shadow it.
-    const Vec3 target = on_light + light.normal * (kSurfaceOffset * max_abs(on_light));
+    // Off the light's front by more than the rounding at both ends of the shadow ray, so that
+    // geometry in the light's own plane does not shadow it.
+    const float offset = kSurfaceOffset * max_of(max_abs(on_light), max_abs(from));
+    const Vec3 target = on_light + light.normal * offset;
     const Vec3 to_light = target - from;
     const float distance2 = dot(to_light, to_light);
     const float distance = sqrtf(distance2);
@@ -37,6 +39,18 @@ SCOTTY_HD LightSample sample_area_light(const Light& light, const Vec3& from, fl
     const float cos_light = -dot(direction, light.normal);
     if (!(cos_light > 0.0f)) return no_light();
     return {direction, distance, light.radiance * (cos_light * light.area / distance2)};
+}
+
+/// The ray that asks whether a surface sees a light sample. It starts off the surface and is
+/// therefore aimed anew: on the sample's own course it would end beyond the light, in its shadow.
+SCOTTY_HD Ray shadow_ray(const Surface& surface, const LightSample& light) {
+    Ray ray = leave_surface(surface, light.direction, light.distance);
+    if (!(light.distance < kInfinity)) return ray;
+    const Vec3 target = surface.position + light.direction * light.distance;
+    const Vec3 to_light = target - ray.origin;
+    ray.direction = normalize_or(to_light, light.direction);
+    ray.t_max = length(to_light);
+    return ray;
 }
 
 /// Samples one light from a surface. Black (irradiance zero) where the light cannot reach it.

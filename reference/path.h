@@ -71,7 +71,7 @@ SCOTTY_HD DirectLight sample_direct_light(const SceneView& scene, const PathPara
     const float weight = cosine * count / (kPi * static_cast<float>(parameters.light_samples));
     const Vec3 potential = throughput * material.reflectance * light.irradiance * weight;
     if (!(max_component(potential) > 0.0f)) return nothing;
-    return {leave_surface(surface, light.direction, light.distance), potential};
+    return {shadow_ray(surface, light), potential};
 }
 
 struct Scattered {
