@@ -125,20 +125,17 @@ std::vector<RTCBuildPrimitive> build_primitives(const Scene& scene) {
 
 }  // namespace
 
-BinaryBvh build_binary_bvh(const Scene& scene, int max_leaf_size) {
+BinaryBvh build_binary_bvh(const Scene& scene) {
     SCOTTY_ASSERT(scene.triangles.size(), >, 0u);
     std::vector<RTCBuildPrimitive> primitives = build_primitives(scene);
     const EmbreeOwner<RTCDevice> device = make_embree_device();
     const EmbreeOwner<RTCBVH> bvh(rtcNewBVH(device.get()));
     check_embree(device.get(), "rtcNewBVH");
 
-    const auto leaf_size = static_cast<unsigned>(
-        std::min(max_leaf_size, static_cast<int>(RTC_BUILD_MAX_PRIMITIVES_PER_LEAF)));
     RTCBuildArguments arguments = rtcDefaultBuildArguments();
     arguments.buildQuality = RTC_BUILD_QUALITY_MEDIUM;
     arguments.maxDepth = kMaxEmbreeDepth;
-    arguments.sahBlockSize = leaf_size;  // a leaf costs the same however full it is: fill it
-    arguments.maxLeafSize = leaf_size;
+    arguments.maxLeafSize = 1;
     arguments.bvh = bvh.get();
     arguments.primitives = primitives.data();
     arguments.primitiveCount = primitives.size();
@@ -154,14 +151,14 @@ BinaryBvh build_binary_bvh(const Scene& scene, int max_leaf_size) {
             throw Error::internal(fmt::format(
                 "Embree: out of memory while building a BVH of {} triangles", primitives.size()));
         }
-        return build_median_bvh(scene, max_leaf_size);  // "depth limit reached"
+        return build_median_bvh(scene);  // "depth limit reached"
     }
     BinaryBvh binary = flatten(root, primitives.size());
     fill_bounds(binary, scene);
     return binary;
 }
 
-BinaryBvh build_median_bvh(const Scene& scene, int max_leaf_size) {
+BinaryBvh build_median_bvh(const Scene& scene) {
     struct Range {
         std::uint32_t begin, end;
         std::uint32_t parent;  ///< whose right child this is; kNone for a left child
@@ -186,10 +183,7 @@ BinaryBvh build_median_bvh(const Scene& scene, int max_leaf_size) {
         bvh.nodes.push_back({Vec3(0.0f), Vec3(0.0f), range.begin, count, kNone});
         const auto begin = bvh.order.begin() + range.begin;
         const auto end = bvh.order.begin() + range.end;
-        if (count <= static_cast<std::uint32_t>(max_leaf_size)) {
-            std::sort(begin, end);
-            continue;
-        }
+        if (count == 1) continue;
         Bounds bounds;
         std::for_each(begin, end, [&](std::uint32_t i) {
             bounds.low = min_of(bounds.low, centroids[i]);

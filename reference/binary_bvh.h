@@ -24,15 +24,15 @@ struct BinaryBvh {
     std::vector<std::uint32_t> order;  ///< triangle indices of the scene, leaf after leaf
 };
 
-/// Embree's binned SAH builder (rtcBuildBVH, medium quality, no spatial splits), called in the
-/// caller's TBB arena. Its choice of nodes depends neither on threads nor on timing: binning takes
-/// only counts, minima and maxima. What does vary, the order inside a leaf, is sorted away here.
+/// Down to single triangles (compaction chooses the leaves) by Embree's binned SAH builder
+/// (rtcBuildBVH, medium quality, no spatial splits), called in the caller's TBB arena. Its choice
+/// of nodes depends neither on threads nor on timing: binning takes only counts, minima and maxima.
 /// Where Embree gives up (its depth limit), median splits take over.
 /// Requires at least one triangle. Throws missing_environment, internal.
-BinaryBvh build_binary_bvh(const Scene& scene, int max_leaf_size);
+BinaryBvh build_binary_bvh(const Scene& scene);
 
 /// Median splits along the longest axis of the centroids: worse trees, but their depth is
 /// logarithmic whatever the input.
-BinaryBvh build_median_bvh(const Scene& scene, int max_leaf_size);
+BinaryBvh build_median_bvh(const Scene& scene);
 
 }  // namespace scotty::reference

@@ -1,7 +1,7 @@
 /// The N-way BVH that every pipeline traverses level by level.
 ///
 /// Built in three steps, all deterministic: a binary BVH by Embree's builder; *compaction* to N
-/// children a node (Wald et al. 2008); *serialisation* to indices in breadth-first order.
+/// children a node (wide_bvh_compaction.h); *serialisation* to indices in breadth-first order.
 ///
 /// Node ids are breadth-first positions, so a level is a contiguous range of ids and the children
 /// of one node are neighbours. An id is looked up in node_refs: an inner node or a leaf.
@@ -19,8 +19,8 @@
 namespace scotty::reference {
 
 struct BvhParameters {
-    int width = 8;           ///< 2, 4, 8 or 16
-    int max_leaf_size = 4;   ///< triangles a leaf, 1..64 (exceeded only by coincident centroids)
+    int width = 8;            ///< 2, 4, 8 or 16
+    int max_leaf_size = 4;    ///< triangles a leaf, 1..64; fewer where that is cheaper, never more
     std::size_t threads = 0;  ///< 0: all. The result does not depend on it.
 };
 
@@ -34,13 +34,15 @@ struct WideBvh {
                  std::vector<WideNode<16>>>
         inner;
     std::vector<Leaf> leaves;
-    std::vector<LeafTriangle> triangles;  ///< in leaf order; each scene triangle exactly once
+    std::vector<LeafTriangle> triangles;      ///< in leaf order; each scene triangle exactly once
     std::vector<std::uint32_t> node_refs;     ///< by node id: kLeafBit | leaf index, or inner index
     std::vector<std::uint32_t> parents;       ///< by node id: the parent's id; kNone at the root
     std::vector<std::uint32_t> level_begins;  ///< level l is ids [begins[l], begins[l + 1])
 
     std::uint32_t node_count() const { return static_cast<std::uint32_t>(node_refs.size()); }
-    std::uint32_t level_count() const { return static_cast<std::uint32_t>(level_begins.size() - 1); }
+    std::uint32_t level_count() const {
+        return static_cast<std::uint32_t>(level_begins.size() - 1);
+    }
     std::uint32_t inner_count() const;
 };
 

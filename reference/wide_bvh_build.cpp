@@ -1,9 +1,4 @@
-/// Compaction of the binary BVH to N children a node, and serialisation in breadth-first order.
-///
-/// Compaction is the greedy rule of Wald, Benthin and Boulos, "Getting Rid of Packets", IRT 2008:
-/// starting from a node's two children, the child with the largest surface area is replaced by its
-/// own children until there are N. A large child is the one most likely to be entered, so opening
-/// it saves the most. Subtrees that fit a leaf are taken as one.
+/// Serialisation of the compacted BVH in breadth-first order.
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -17,6 +12,7 @@
 #include "reference/binary_bvh.h"
 #include "reference/error.h"
 #include "reference/wide_bvh.h"
+#include "reference/wide_bvh_compaction.h"
 
 namespace scotty::reference {
 namespace {
@@ -40,63 +36,26 @@ struct Shape {
     }
 };
 
-bool fits_a_leaf(const BinaryNode& node, int max_leaf_size) {
-    return node.right == kNone || node.count <= static_cast<std::uint32_t>(max_leaf_size);
-}
-
-float half_area(const BinaryNode& node) {
-    const Vec3 size = node.high - node.low;
-    return size.x * size.y + size.y * size.z + size.z * size.x;
-}
-
-/// Binary nodes that become the children of one wide node, in depth-first order (so that
-/// neighbours are near each other). Ties go to more triangles, then to the first.
-template <int Width>
-int open_children(const BinaryBvh& binary, std::uint32_t root, int max_leaf_size,
-                  std::array<std::uint32_t, Width>& children) {
-    children[0] = root;
-    int count = 1;
-    while (count < Width) {
-        int best = -1;
-        float best_area = -1.0f;
-        std::uint32_t best_count = 0;
-        for (int i = 0; i < count; ++i) {
-            const BinaryNode& node = binary.nodes[children[i]];
-            if (fits_a_leaf(node, max_leaf_size)) continue;
-            const float area = half_area(node);
-            if (area > best_area || (area == best_area && node.count > best_count)) {
-                best = i;
-                best_area = area;
-                best_count = node.count;
-            }
-        }
-        if (best < 0) break;
-        const std::uint32_t opened = children[best];
-        std::copy_backward(children.begin() + best + 1, children.begin() + count,
-                           children.begin() + count + 1);
-        children[best] = opened + 1;
-        children[best + 1] = binary.nodes[opened].right;
-        ++count;
-    }
-    return count;
-}
-
-template <int Width>
-Shape compact(const BinaryBvh& binary, int max_leaf_size) {
+Shape make_shape(const BinaryBvh& binary, int width, int max_leaf_size) {
+    const Compaction compaction(binary, width, max_leaf_size);
     Shape shape;
     shape.add(0, kNone);
-    std::uint32_t begin = 0;
-    while (begin < shape.size()) {
+    std::array<std::uint32_t, kMaxWidth> children;
+    for (std::uint32_t begin = 0; begin < shape.size();) {
         const std::uint32_t end = shape.size();
         shape.level_begins.push_back(begin);
         for (std::uint32_t id = begin; id < end; ++id) {
-            // The root is an inner node even where everything fits one leaf.
-            if (id != 0 && fits_a_leaf(binary.nodes[shape.binary[id]], max_leaf_size)) continue;
-            std::array<std::uint32_t, Width> children;
-            const int count =
-                open_children<Width>(binary, shape.binary[id], max_leaf_size, children);
-            shape.first_child[id] = shape.size();
-            for (int i = 0; i < count; ++i) shape.add(children[i], id);
+            const std::uint32_t node = shape.binary[id];
+            const bool leaf = compaction.is_leaf(node);
+            if (leaf && id != 0) continue;
+            const std::uint32_t first = shape.size();
+            if (leaf) {  // everything fits one leaf: the root is an inner node all the same
+                shape.add(node, id);
+            } else {
+                const int count = compaction.children(node, children);
+                for (int i = 0; i < count; ++i) shape.add(children[i], id);
+            }
+            shape.first_child[id] = first;
             ++shape.inner_count;
         }
         begin = end;
@@ -180,8 +139,8 @@ WideBvh serialise(const Scene& scene, const BinaryBvh& binary, Shape shape) {
 
 template <int Width>
 WideBvh build(const Scene& scene, int max_leaf_size) {
-    const BinaryBvh binary = build_binary_bvh(scene, max_leaf_size);
-    return serialise<Width>(scene, binary, compact<Width>(binary, max_leaf_size));
+    const BinaryBvh binary = build_binary_bvh(scene);
+    return serialise<Width>(scene, binary, make_shape(binary, Width, max_leaf_size));
 }
 
 }  // namespace

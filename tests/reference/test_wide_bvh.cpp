@@ -12,6 +12,7 @@
 #include "reference/binary_bvh.h"
 #include "reference/error.h"
 #include "reference/wide_bvh.h"
+#include "reference/wide_bvh_compaction.h"
 #include "tests/reference/meshes.h"
 
 using namespace scotty::reference;
@@ -189,14 +190,14 @@ TEST_CASE("wide bvh: parameters out of range are named", "[reference][bvh]") {
 
 TEST_CASE("median bvh: is valid depth-first order with logarithmic depth", "[reference][bvh]") {
     const Scene scene = soup(1000, 0.1f, 6);
-    const BinaryBvh bvh = build_median_bvh(scene, 4);
+    const BinaryBvh bvh = build_median_bvh(scene);
     std::vector<std::uint32_t> depth(bvh.nodes.size(), 1);
     std::vector<int> seen(scene.triangles.size());
     for (std::size_t i = 0; i < bvh.nodes.size(); ++i) {
         const BinaryNode& node = bvh.nodes[i];
-        CHECK(depth[i] <= 9);
+        CHECK(depth[i] <= 11);
         if (node.right == kNone) {
-            CHECK(node.count <= 4);
+            CHECK(node.count == 1);
             for (std::uint32_t k = 0; k < node.count; ++k) ++seen[bvh.order[node.first + k]];
         } else {
             depth[i + 1] = depth[i] + 1;
@@ -206,6 +207,97 @@ TEST_CASE("median bvh: is valid depth-first order with logarithmic depth", "[ref
         }
     }
     for (const int times : seen) CHECK(times == 1);
+}
+
+namespace {
+
+/// What a ray that enters the root is expected to pay, from the finished tree.
+template <int Width>
+double cost_of(const WideBvh& bvh) {
+    const auto area = [](const Vec3& low, const Vec3& high) {
+        const Vec3 size = high - low;
+        return double{size.x} * size.y + double{size.y} * size.z + double{size.z} * size.x;
+    };
+    double cost = 0.0;
+    double root_area = 0.0;
+    for (const WideNode<Width>& node : std::get<std::vector<WideNode<Width>>>(bvh.inner)) {
+        const double own = area({node.low[0], node.low[1], node.low[2]},
+                                {node.high[0], node.high[1], node.high[2]});
+        if (root_area == 0.0) root_area = own;
+        cost += kNodeCost * own;
+        for (int i = 0; i < Width; ++i) {
+            if (node.child[i] == kNone || !is_leaf(bvh.node_refs[node.child[i]])) continue;
+            const Leaf& leaf = bvh.leaves[ref_index(bvh.node_refs[node.child[i]])];
+            cost += (kLeafCost + kTriangleCost * leaf.count) *
+                    area({node.low_x[i], node.low_y[i], node.low_z[i]},
+                         {node.high_x[i], node.high_y[i], node.high_z[i]});
+        }
+    }
+    return cost / root_area;
+}
+
+/// The least cost of a subtree as at most `roots` nodes, by trying everything.
+double least_cost(const BinaryBvh& bvh, std::uint32_t id, int width, int leaf_size, int roots) {
+    const BinaryNode& node = bvh.nodes[id];
+    const auto area = [](const BinaryNode& n) {
+        const Vec3 size = n.high - n.low;
+        return double{size.x} * size.y + double{size.y} * size.z + double{size.z} * size.x;
+    };
+    const double relative = area(node) / area(bvh.nodes.front());
+    const auto split = [&](int into) {
+        double best = std::numeric_limits<double>::infinity();
+        for (int k = 1; k < into; ++k) {
+            best = std::min(best, least_cost(bvh, id + 1, width, leaf_size, k) +
+                                      least_cost(bvh, node.right, width, leaf_size, into - k));
+        }
+        return best;
+    };
+    double best = std::numeric_limits<double>::infinity();
+    if (node.count <= static_cast<std::uint32_t>(leaf_size)) {
+        best = relative * (kLeafCost + kTriangleCost * node.count);
+    }
+    if (node.right == kNone) return best;
+    best = std::min(best, relative * kNodeCost + split(width));
+    for (int into = 2; into <= roots; ++into) best = std::min(best, split(into));
+    return best;
+}
+
+}  // namespace
+
+TEST_CASE("compaction: no other choice of nodes and leaves is cheaper", "[reference][bvh]") {
+    for (const int width : {2, 4}) {
+        for (const int leaf_size : {1, 3}) {
+            const BinaryBvh binary = build_binary_bvh(soup(10, 0.4f, 8));
+            CHECK(Compaction(binary, width, leaf_size).cost() ==
+                  Approx(least_cost(binary, 0, width, leaf_size, 1)));
+        }
+    }
+}
+
+TEST_CASE("compaction: the tree that is written has the cost that was found", "[reference][bvh]") {
+    const Scene scene = soup(2000, 0.1f, 9);
+    const BinaryBvh binary = build_binary_bvh(scene);
+    CHECK(cost_of<2>(build_wide_bvh(scene, parameters(2, 4))) ==
+          Approx(Compaction(binary, 2, 4).cost()));
+    CHECK(cost_of<8>(build_wide_bvh(scene, parameters(8, 4))) ==
+          Approx(Compaction(binary, 8, 4).cost()));
+    CHECK(cost_of<16>(build_wide_bvh(scene, parameters(16, 64))) ==
+          Approx(Compaction(binary, 16, 64).cost()));
+}
+
+TEST_CASE("compaction: width 2 with single triangles is the binary tree", "[reference][bvh]") {
+    const Scene scene = soup(300, 0.1f, 10);
+    const WideBvh bvh = build_wide_bvh(scene, parameters(2, 1));
+    CHECK(bvh.inner_count() == 299);
+    CHECK(bvh.leaves.size() == 300);
+}
+
+TEST_CASE("compaction: triangles without any area fill leaves and nodes", "[reference][bvh]") {
+    Scene scene;
+    for (int i = 0; i < 512; ++i) add_triangle(scene, Vec3(1.0f), Vec3(1.0f), Vec3(1.0f));
+    const WideBvh bvh = build_wide_bvh(scene, parameters(8, 4));
+    CHECK(bvh.leaves.size() == 128);
+    CHECK(bvh.inner_count() < 30);
 }
 
 namespace {
