@@ -54,9 +54,7 @@ inline void check_embree(RTCDevice device, const std::string& call) {
 inline void embree_intersect(RTCScene scene, RTCRayHit& ray_hit) {
     rtcIntersect1(scene, &ray_hit, nullptr);
 }
-inline void embree_occluded(RTCScene scene, RTCRay& ray) {
-    rtcOccluded1(scene, &ray, nullptr);
-}
+inline void embree_occluded(RTCScene scene, RTCRay& ray) { rtcOccluded1(scene, &ray, nullptr); }
 
 #else
 

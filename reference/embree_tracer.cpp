@@ -135,8 +135,6 @@ void EmbreeTracer::occluded(std::span<const Ray> rays, std::span<std::uint8_t> o
                       });
 }
 
-std::string EmbreeTracer::version() {
-    return RTC_VERSION_STRING;
-}
+std::string EmbreeTracer::version() { return RTC_VERSION_STRING; }
 
 }  // namespace scotty::reference
