@@ -202,22 +202,34 @@ class Hasher {
     Hasher(const Hasher&) = delete;
     Hasher& operator=(const Hasher&) = delete;
 
-    void bytes(const void* data, std::size_t size) {
-        if (size != 0) XXH64_update(state_, data, size);
+    void word(std::uint32_t value) { words_.push_back(value); }
+    void count(std::uint64_t value) {
+        word(static_cast<std::uint32_t>(value));
+        word(static_cast<std::uint32_t>(value >> 32));
     }
-    void count(std::uint64_t value) { bytes(&value, sizeof value); }
-    void word(std::uint32_t value) { bytes(&value, sizeof value); }
-    void number(float value) { bytes(&value, sizeof value); }
-    void vector(const Vec3& value) { bytes(&value, sizeof value); }
+    void number(float value) { word(std::bit_cast<std::uint32_t>(value)); }
+    void vector(const Vec3& value) {
+        for (int axis = 0; axis < 3; ++axis) number(value[axis]);
+    }
     /// An array of packed elements, its length first.
     template <class Element>
     void array(const std::vector<Element>& values) {
         count(values.size());
-        bytes(values.data(), values.size() * sizeof(Element));
+        flush();
+        if (!values.empty()) XXH64_update(state_, values.data(), values.size() * sizeof(Element));
     }
-    std::uint64_t digest() const { return XXH64_digest(state_); }
+    std::uint64_t digest() {
+        flush();
+        return XXH64_digest(state_);
+    }
 
  private:
+    void flush() {
+        if (!words_.empty()) XXH64_update(state_, words_.data(), words_.size() * sizeof words_[0]);
+        words_.clear();
+    }
+
+    std::vector<std::uint32_t> words_;  ///< single values, until there is an array or the end
     XXH64_state_t* state_;
 };
 static_assert(std::endian::native == std::endian::little,

@@ -1,6 +1,7 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 
 #include "reference/error.h"
 #include "scenes/file_checks.h"
@@ -32,7 +33,7 @@ std::string json_text(const std::string& path, std::string bytes) {
 
 class GltfChecker {
  public:
-    GltfChecker(const std::string& path, const json& root) : path_(path), root_(root) {}
+    GltfChecker(std::string path, const json& root) : path_(std::move(path)), root_(root) {}
 
     void check() const {
         for (std::size_t i = 0; i < list("bufferViews").size(); ++i) check_view(i);

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <limits>
 #include <string_view>
+#include <utility>
 
 #include "reference/error.h"
 #include "scenes/file_checks.h"
@@ -38,7 +39,7 @@ std::string_view next_word(std::string_view& line) {
 /// Goes through the file once; face indices may refer to vertices that come later.
 class ObjChecker {
  public:
-    ObjChecker(const std::string& path, Notes& notes) : path_(path), notes_(notes) {}
+    ObjChecker(std::string path, Notes& notes) : path_(std::move(path)), notes_(notes) {}
 
     void check() {
         const std::string text = read_file(path_);

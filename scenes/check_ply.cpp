@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstring>
 #include <sstream>
+#include <utility>
 
 #include "reference/error.h"
 #include "scenes/file_checks.h"
@@ -45,7 +46,7 @@ bool is_float(const std::string& type) { return type[0] == 'f' || type[0] == 'd'
 
 class PlyChecker {
  public:
-    explicit PlyChecker(const std::string& path) : path_(path), bytes_(read_file(path)) {}
+    explicit PlyChecker(std::string path) : path_(std::move(path)), bytes_(read_file(path_)) {}
 
     void check() {
         read_header();

@@ -4,6 +4,7 @@
 
 #include <charconv>
 #include <cstring>
+#include <utility>
 
 #include "scenes/parse_number.h"
 
@@ -54,12 +55,12 @@ void for_each_word(pugi::xml_node element, const Use& use) {
 
 }  // namespace
 
-ColladaDocument::ColladaDocument(const std::string& path) : path_(path) {
-    const pugi::xml_parse_result result = xml_.load_file(path.c_str());
+ColladaDocument::ColladaDocument(std::string path) : path_(std::move(path)) {
+    const pugi::xml_parse_result result = xml_.load_file(path_.c_str());
     if (!result) {
-        throw Error::bad_input(path, fmt::format("not well-formed XML at byte {} ({}); the file "
-                                                 "may be truncated",
-                                                 result.offset, result.description()));
+        throw Error::bad_input(path_, fmt::format("not well-formed XML at byte {} ({}); the file "
+                                                  "may be truncated",
+                                                  result.offset, result.description()));
     }
     root_ = xml_.document_element();
     if (std::strcmp(root_.name(), "COLLADA") != 0) {

@@ -14,7 +14,7 @@ namespace scotty::scenes {
 class ColladaDocument {
  public:
     /// Throws reference::Error (bad_input) for a file that is not readable, well-formed COLLADA.
-    explicit ColladaDocument(const std::string& path);
+    explicit ColladaDocument(std::string path);
 
     pugi::xml_node root() const { return root_; }
     /// The element that "#id" points to, inside this file. Throws where there is none, or where it

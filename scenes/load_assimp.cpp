@@ -56,7 +56,7 @@ struct VertexHash {
 
 class AssimpLoader {
  public:
-    explicit AssimpLoader(const std::string& path) : path_(path), format_(format_of(path)) {}
+    explicit AssimpLoader(std::string path) : path_(std::move(path)), format_(format_of(path_)) {}
 
     Scene load(CameraChoice choice) {
         if (format_ == Format::obj) check_obj(path_, notes_);
