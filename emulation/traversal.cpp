@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 #include "emulation/intersect.h"
@@ -23,10 +22,6 @@ using reference::StageView;
 
 namespace {
 
-/// Entries of one buffer at most: offsets are 32-bit, and a message beats a killed process.
-constexpr std::uint64_t kMaxQueueEntries = std::numeric_limits<std::uint32_t>::max();
-constexpr std::uint64_t kMaxHitSlots = std::uint64_t{1} << 30;
-
 std::uint32_t side_of_grid(std::uint32_t blocks) {
     auto side = static_cast<std::uint32_t>(std::ceil(std::sqrt(static_cast<double>(blocks))));
     return std::max(1u, side);
@@ -36,12 +31,13 @@ std::uint32_t side_of_grid(std::uint32_t blocks) {
 
 Traversal::Traversal(const reference::Scene& scene, const reference::WideBvh& bvh,
                      const reference::PipelineParameters& parameters, Device& device,
-                     LaunchLog& log)
+                     LaunchLog& log, const TraversalLimits& limits)
     : scene_(scene),
       bvh_(bvh),
       parameters_(parameters),
       device_(device),
       log_(log),
+      limits_(limits),
       parent_positions_(bvh.node_count(), 0),
       hit_capacity_(parameters.hit_capacity) {
     for (std::uint32_t level = 1; level < bvh.level_count(); ++level) {
@@ -55,6 +51,7 @@ void Traversal::run(std::span<const reference::Ray> rays, TraversalKind kind, St
                     std::span<reference::Hit> merged) {
     do {
         reset(rays, kind);
+        reset_hits(place);
         run_levels(place);
     } while (grow_hits(place));
     merge(place, merged);
@@ -71,14 +68,6 @@ void Traversal::reset(std::span<const reference::Ray> rays, TraversalKind kind) 
     queue_offsets_.resize(2);
     queue_offsets_[0] = 0;
     queue_offsets_[1] = node_counts_[0];
-    if (parameters_.hit_mode == HitMode::packed) {
-        packed_.resize(rays.size());
-        std::fill_n(packed_.data(), rays.size(), kNoPackedHit);
-    } else {
-        hit_counts_.resize(rays.size());
-        std::fill_n(hit_counts_.data(), rays.size(), 0u);
-        candidates_.resize(rays.size() * hit_capacity_);
-    }
     if (parameters_.early_out != EarlyOut::off) {
         minimum_.resize(rays.size());
         for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -90,6 +79,27 @@ void Traversal::reset(std::span<const reference::Ray> rays, TraversalKind kind) 
             std::copy_n(minimum_.data(), rays.size(), lowered_.data());
         }
     }
+}
+
+void Traversal::reset_hits(const StagePlace& place) {
+    const std::uint64_t rays = rays_.size();
+    if (parameters_.hit_mode == HitMode::packed) {
+        packed_.resize(rays);
+        std::fill_n(packed_.data(), rays, kNoPackedHit);
+        return;
+    }
+    // A capacity that has grown for few rays may be too much for many.
+    if (rays * hit_capacity_ > limits_.hit_slots) hit_capacity_ = parameters_.hit_capacity;
+    if (rays * hit_capacity_ > limits_.hit_slots) {
+        throw reference::Error::bad_input(
+            place.name(StageKind::merge_intersections),
+            fmt::format("{} rays with {} hit slots each are more than {} slots; trace fewer rays "
+                        "at once (--batch-rays, now {}), or lower --hit-capacity",
+                        rays, hit_capacity_, limits_.hit_slots, parameters_.batch_rays));
+    }
+    hit_counts_.resize(rays);
+    std::fill_n(hit_counts_.data(), rays, 0u);
+    candidates_.resize(rays * hit_capacity_);
 }
 
 void Traversal::run_levels(StagePlace place) {
@@ -111,12 +121,12 @@ void Traversal::scan(const StagePlace& place) {
     const std::uint32_t nodes = level_nodes(place.level);
     const std::uint32_t children = level_nodes(place.level + 1);
     const std::uint64_t most = entries_ * static_cast<std::uint64_t>(bvh_.width);
-    if (most > kMaxQueueEntries) {
+    if (most > limits_.queue_entries) {
         throw reference::Error::bad_input(
             place.name(StageKind::scan_counts),
             fmt::format("{} queue entries in {} nodes may need {} slots in the next level, more "
                         "than {}; trace fewer rays at once (--batch-rays, now {})",
-                        entries_, nodes, most, kMaxQueueEntries, parameters_.batch_rays));
+                        entries_, nodes, most, limits_.queue_entries, parameters_.batch_rays));
     }
     block_offsets_.resize(nodes + 1);
     child_offsets_.resize(children + 1);
@@ -220,13 +230,13 @@ bool Traversal::grow_hits(const StagePlace& place) {
     const std::uint32_t before = hit_capacity_;
     const std::uint32_t grown = std::max(hits_needed_, 2 * before);
     const std::string stage = place.name(StageKind::merge_intersections);
-    if (std::uint64_t{grown} * rays_.size() > kMaxHitSlots) {
+    if (std::uint64_t{grown} * rays_.size() > limits_.hit_slots) {
         throw reference::Error::bad_input(
-            stage,
-            fmt::format("a ray has {} hits, but {} rays with {} slots each are more than "
-                        "{} slots; trace fewer rays at once (--batch-rays, now {}), or "
-                        "use --early-out level or --hit-mode packed",
-                        hits_needed_, rays_.size(), grown, kMaxHitSlots, parameters_.batch_rays));
+            stage, fmt::format("a ray has {} hits, but {} rays with {} slots each are more than "
+                               "{} slots; trace fewer rays at once (--batch-rays, now {}), or "
+                               "use --early-out level or --hit-mode packed",
+                               hits_needed_, rays_.size(), grown, limits_.hit_slots,
+                               parameters_.batch_rays));
     }
     hit_capacity_ = grown;
     log_.retry(stage,

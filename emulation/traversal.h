@@ -15,11 +15,18 @@
 
 namespace scotty::emulation {
 
+/// Entries of one buffer at most: offsets are 32-bit, and a message beats a killed process.
+struct TraversalLimits {
+    std::uint64_t queue_entries = 0xffffffffu;
+    std::uint64_t hit_slots = std::uint64_t{1} << 30;
+};
+
 /// Traverses batches of rays through one BVH, level by level. Buffers are kept between calls.
 class Traversal {
  public:
     Traversal(const reference::Scene& scene, const reference::WideBvh& bvh,
-              const reference::PipelineParameters& parameters, Device& device, LaunchLog& log);
+              const reference::PipelineParameters& parameters, Device& device, LaunchLog& log,
+              const TraversalLimits& limits = {});
 
     /// One hit per ray into `merged`. `place` names the stages; its level is set here.
     /// Throws bad_input naming stage and sizes where a queue or hit buffer cannot grow further.
@@ -30,6 +37,7 @@ class Traversal {
 
  private:
     void reset(std::span<const reference::Ray> rays, TraversalKind kind);
+    void reset_hits(const StagePlace& place);
     void run_levels(StagePlace place);
     void scan(const StagePlace& place);
     void intersect_level(const StagePlace& place);
@@ -55,6 +63,7 @@ class Traversal {
     const reference::PipelineParameters& parameters_;
     Device& device_;
     LaunchLog& log_;
+    TraversalLimits limits_;
     std::vector<std::uint32_t> parent_positions_;  ///< by node id: parent's position in its level
 
     std::span<const reference::Ray> rays_;
