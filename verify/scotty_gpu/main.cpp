@@ -1,0 +1,234 @@
+/// scotty-gpu: the CUDA pipeline on its own, for a machine that has nothing but a driver.
+///
+/// Reads a pipeline input (`scotty capture SCENE -o DIR --input-only`), runs on the device, writes
+/// a capture, an image and timings. The diff runs anywhere.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "gpu/parity.h"
+#include "gpu/pipeline.h"
+#include "verify/capture_writer.h"
+#include "verify/npy.h"
+#include "verify/pipeline_input.h"
+#include "verify/ray_file.h"
+
+namespace {
+
+using namespace scotty;  // one program, one file
+using reference::PipelineParameters;
+
+/// Overrides of what the input's parameters say; empty: as they are.
+struct Overrides {
+    int rays_per_block = 0;
+    std::uint32_t batch_rays = 0;
+    std::uint32_t hit_capacity = 0;
+    std::string early_out, hit_mode, block_order, shadow_query;
+};
+
+void add_overrides(CLI::App& command, Overrides& o) {
+    command.add_option("--rays-per-block", o.rays_per_block, "Threads a block, 32..1024");
+    command.add_option("--batch-rays", o.batch_rays, "Rays in flight at once");
+    command.add_option("--hit-capacity", o.hit_capacity, "Buffered hits a ray, at first");
+    command.add_option("--early-out", o.early_out, "off, level or immediate");
+    command.add_option("--hit-mode", o.hit_mode, "buffer or packed");
+    command.add_option("--block-order", o.block_order, "linear or strided");
+    command.add_option("--shadow-query", o.shadow_query, "any or closest");
+}
+
+void apply(const Overrides& o, PipelineParameters& p) {
+    if (o.rays_per_block != 0) p.rays_per_block = o.rays_per_block;
+    if (o.batch_rays != 0) p.batch_rays = o.batch_rays;
+    if (o.hit_capacity != 0) p.hit_capacity = o.hit_capacity;
+    if (!o.early_out.empty()) p.early_out = reference::parse_early_out(o.early_out);
+    if (!o.hit_mode.empty()) p.hit_mode = reference::parse_hit_mode(o.hit_mode);
+    if (!o.block_order.empty()) p.block_order = reference::parse_block_order(o.block_order);
+    if (!o.shadow_query.empty()) p.shadow_query = reference::parse_shadow_query(o.shadow_query);
+    reference::validate(p);
+}
+
+int show_device() {
+    const auto device = gpu::find_device();
+    if (!device) throw reference::Error::missing_environment("no CUDA device");
+    std::printf(
+        "%s, compute capability %d.%d, %d multiprocessors, %.1f GiB, driver %d, runtime %d\n",
+        device->name.c_str(), device->compute_major, device->compute_minor, device->multiprocessors,
+        static_cast<double>(device->memory_bytes) / (1u << 30), device->driver_version,
+        device->runtime_version);
+    return 0;
+}
+
+struct RunOptions {
+    std::string input, capture, image;
+    std::vector<std::string> stages;
+    bool hashes_only = false;
+    bool timings = false;
+    std::size_t memory_limit = 0;
+    Overrides overrides;
+};
+
+void print_timings(const gpu::Pipeline& pipeline) {
+    std::map<reference::StageKind, std::pair<int, double>> by_kind;
+    for (const reference::LaunchRecord& launch : pipeline.launches()) {
+        auto& [count, seconds] = by_kind[launch.kind];
+        ++count;
+        seconds += launch.seconds;
+    }
+    for (const auto& [kind, sum] : by_kind) {
+        std::printf("%-20s %6d launches %10.3f ms\n", reference::to_string(kind), sum.first,
+                    1e3 * sum.second);
+    }
+}
+
+int run(const RunOptions& options) {
+    verify::PipelineInput input = verify::read_pipeline_input(options.input);
+    apply(options.overrides, input.parameters);
+    const gpu::PipelineOptions device{options.timings, options.memory_limit};
+    reference::Image image;
+    if (options.capture.empty()) {
+        gpu::Pipeline pipeline(input.scene, input.bvh, input.parameters, device);
+        image = pipeline.render();
+        if (options.timings) {
+            pipeline.clear_launches();  // the first render warmed the device up
+            pipeline.render();
+            print_timings(pipeline);
+        }
+    } else {
+        verify::CaptureWriter writer(
+            options.capture, verify::header_of("cuda", input.scene, input.bvh, input.parameters),
+            options.stages);
+        gpu::Pipeline pipeline(input.scene, input.bvh, input.parameters, device, &writer);
+        image = pipeline.render();
+        if (!options.hashes_only) {
+            verify::write_pipeline_input(writer.input_folder(), input.scene, input.bvh,
+                                         input.parameters);
+        }
+        writer.finish();
+        if (options.hashes_only) {
+            std::filesystem::remove_all(std::filesystem::path(options.capture) / "buffers");
+        }
+        std::printf("%s: %zu stages\n", options.capture.c_str(), writer.stage_count());
+    }
+    if (!options.image.empty()) {
+        const std::size_t shape[] = {image.height, image.width, 3};
+        verify::write_npy(options.image, reference::ElementType::float32, shape,
+                          image.pixels.data(), image.pixels.size() * sizeof(reference::Vec3));
+        std::printf("%s: %u x %u, radiance\n", options.image.c_str(), image.width, image.height);
+    }
+    return 0;
+}
+
+struct TraceOptions {
+    std::string input, rays, hits;
+    bool any = false;
+    int repeats = 25;
+    Overrides overrides;
+};
+
+int trace(const TraceOptions& options) {
+    verify::PipelineInput input = verify::read_pipeline_input(options.input);
+    const verify::RayFile rays = verify::read_rays(options.rays);
+    const bool any = options.any || rays.any_hit;
+    const auto kind = any ? reference::TraversalKind::any : reference::TraversalKind::closest;
+    input.parameters.batch_rays = std::max<std::uint32_t>(
+        input.parameters.batch_rays, static_cast<std::uint32_t>(rays.rays.size()));
+    apply(options.overrides, input.parameters);
+
+    gpu::Pipeline pipeline(input.scene, input.bvh, input.parameters);
+    std::vector<reference::Hit> hits(rays.rays.size());
+    pipeline.trace(rays.rays, kind, hits);
+    if (!options.hits.empty()) {
+        std::vector<reference::HitCandidate> records;
+        records.reserve(hits.size());
+        for (const reference::Hit& hit : hits) records.push_back(verify::hit_record(hit, any));
+        verify::write_hits(options.hits, records);
+    }
+    const double seconds = pipeline.time_trace(rays.rays, kind, options.repeats);
+    std::printf(
+        "%s %s width %d rays-per-block %d early-out %s hit-mode %s: %zu rays, %.3f ms, %.1f "
+        "Mrays/s\n",
+        input.scene.name.c_str(), options.rays.c_str(), input.bvh.width,
+        input.parameters.rays_per_block, reference::to_string(input.parameters.early_out),
+        reference::to_string(input.parameters.hit_mode), rays.rays.size(), 1e3 * seconds,
+        1e-6 * static_cast<double>(rays.rays.size()) / seconds);
+    return 0;
+}
+
+int parity(std::uint64_t count) {
+    const std::vector<gpu::ParityResult> results = gpu::test_parity(count);
+    std::uint64_t mismatches = 0;
+    for (const gpu::ParityResult& result : results) {
+        mismatches += result.mismatches;
+        std::printf("%-28s %12llu tried %8llu mismatches%s%s\n", result.name.c_str(),
+                    static_cast<unsigned long long>(result.tried),
+                    static_cast<unsigned long long>(result.mismatches),
+                    result.mismatches == 0 ? "" : "   first: ", result.first.c_str());
+    }
+    std::printf("%s\n", mismatches == 0 ? "parity: passed" : "parity: FAILED");
+    return mismatches == 0 ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    CLI::App app("The CUDA pipeline of CUDA-Scotty on its own: needs a driver, nothing else.");
+    app.require_subcommand(1);
+    app.footer("Example:\n  scotty-gpu run coil.input -o coil.cuda --timings");
+    RunOptions run_options;
+    TraceOptions trace_options;
+    std::uint64_t parity_count = 1u << 22;
+
+    CLI::App* device = app.add_subcommand("device", "Shows the device");
+    CLI::App* run_command = app.add_subcommand("run", "Renders a pipeline input");
+    run_command->add_option("input", run_options.input, "Directory of a pipeline input or capture")
+        ->required();
+    run_command->add_option("-o,--output", run_options.capture, "Capture to write");
+    run_command->add_option("--stages", run_options.stages, "Only stages that match a pattern");
+    run_command->add_option("--image", run_options.image, "Image to write, .npy");
+    run_command->add_option("--memory-limit", run_options.memory_limit,
+                            "Bytes of device memory to stay within");
+    run_command->add_flag("--hashes-only", run_options.hashes_only,
+                          "Keep the capture's index, not its buffers");
+    run_command->add_flag("--timings", run_options.timings, "Print time by kernel");
+    add_overrides(*run_command, run_options.overrides);
+    CLI::App* trace_command = app.add_subcommand("trace", "Traces a ray file and times it");
+    trace_command->add_option("--input", trace_options.input, "Directory of a pipeline input")
+        ->required();
+    trace_command->add_option("--rays", trace_options.rays, "Ray file")->required();
+    trace_command->add_option("-o,--output", trace_options.hits, "Hit file to write");
+    trace_command->add_flag("--any", trace_options.any, "Any hit, whatever the file says");
+    trace_command->add_option("--repeats", trace_options.repeats, "Timed rounds (median)")
+        ->check(CLI::Range(1, 10000));
+    add_overrides(*trace_command, trace_options.overrides);
+    CLI::App* parity_command = app.add_subcommand(
+        "parity", "Compares every arithmetic operation and numerics function with the host");
+    parity_command->add_option("--count", parity_count, "Random operands each");
+
+    try {
+        app.parse(argc, argv);
+        if (device->parsed()) return show_device();
+        if (run_command->parsed()) return run(run_options);
+        if (trace_command->parsed()) return trace(trace_options);
+        return parity(parity_count);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    } catch (const reference::Error& error) {
+        std::fprintf(stderr, "scotty-gpu: %s\n", error.what());
+        switch (error.kind()) {
+            case reference::ErrorKind::bad_input:
+                return 2;
+            case reference::ErrorKind::missing_environment:
+                return 3;
+            case reference::ErrorKind::internal:
+                return 70;
+        }
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "scotty-gpu: internal error: %s\n", error.what());
+    }
+    return 70;
+}
