@@ -29,8 +29,8 @@ Value value_of(const std::string& where, const char* name, const std::string& wo
         if (word == to_string(value)) return value;
         known += (known.empty() ? "" : ", ") + std::string(to_string(value));
     }
-    throw Error::bad_input(
-        where, fmt::format("'{}': expected one of {}, found '{}'", name, known, word));
+    throw Error::bad_input(where,
+                           fmt::format("'{}': expected one of {}, found '{}'", name, known, word));
 }
 
 constexpr std::array kElementTypes{ElementType::uint8, ElementType::uint32, ElementType::uint64,

@@ -156,11 +156,10 @@ void expect_format(const std::filesystem::path& file, const json& object, const 
     const bool ours = object.is_object() && object.contains("format") &&
                       object["format"].is_string() && object["format"] == format;
     if (!ours) {
-        throw Error::bad_input(
-            where, fmt::format("expected \"format\": \"{}\", found {}", format,
-                               object.is_object() && object.contains("format")
-                                   ? shown(object["format"])
-                                   : std::string("none")));
+        throw Error::bad_input(where, fmt::format("expected \"format\": \"{}\", found {}", format,
+                                                  object.is_object() && object.contains("format")
+                                                      ? shown(object["format"])
+                                                      : std::string("none")));
     }
     const json& version = member(where, object, "version");
     if (!version.is_number_integer() || version != kCaptureVersion) {

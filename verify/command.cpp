@@ -30,10 +30,11 @@ Exit codes: 0 passed, 1 verification failed, 2 usage or bad input (or nothing ma
 3 a required environment is missing, 70 internal error.)";
 
 /// CLI11 says what is wrong, but not what there is.
-std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
+std::string complaint(const CLI::App& app, const CLI::ParseError& error, const char* first) {
     std::string text = error.what();
     const bool chosen = !app.get_subcommands().empty();
     if (!chosen) {
+        if (first != nullptr) text = std::string("'") + first + "' is no command";
         text += "; commands are";
         const char* separator = " ";
         for (const CLI::App* command : app.get_subcommands(nullptr)) {
@@ -75,13 +76,17 @@ int run(int argc, char** argv) {
     add_verify_command(app, action, join(argc, argv));
     add_bench_command(app, action);
     add_doctor_command(app, action);
+    add_capture_command(app, action);
+    add_diff_command(app, action);
+    add_replay_command(app, action);
+    add_trace_command(app, action);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
             return app.exit(error);  // help and version
         }
-        spdlog::error("{}", complaint(app, error));
+        spdlog::error("{}", complaint(app, error, argc > 1 ? argv[1] : nullptr));
         return kExitUsage;
     }
     return action();

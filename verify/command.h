@@ -22,6 +22,10 @@ void add_render_command(CLI::App& app, Action& action);
 void add_verify_command(CLI::App& app, Action& action, const std::string& command_line);
 void add_bench_command(CLI::App& app, Action& action);
 void add_doctor_command(CLI::App& app, Action& action);
+void add_capture_command(CLI::App& app, Action& action);
+void add_diff_command(CLI::App& app, Action& action);
+void add_replay_command(CLI::App& app, Action& action);
+void add_trace_command(CLI::App& app, Action& action);
 
 /// What main() does; also sets up logging. Never throws.
 int run_command(int argc, char** argv);
