@@ -47,6 +47,11 @@ const StageRecord* Capture::find(std::string_view name) const {
     return nullptr;
 }
 
+bool Capture::has_buffers() const {
+    std::error_code error;
+    return std::filesystem::is_directory(directory_ / "buffers", error);
+}
+
 bool Capture::covers(std::string_view name) const {
     const auto& patterns = index_.header.patterns;
     return patterns.empty() ||

@@ -33,6 +33,8 @@ class Capture {
     const std::vector<StageRecord>& stages() const { return index_.stages; }
     /// Null where there is no such stage.
     const StageRecord* find(std::string_view name) const;
+    /// False where only the index is left: enough to compare by hash.
+    bool has_buffers() const;
     /// True where a stage of that name was asked for when the capture was made.
     bool covers(std::string_view name) const;
 

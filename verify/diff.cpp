@@ -113,7 +113,7 @@ class Differ::State {
           places_(a, input_ ? &input_->bvh : nullptr) {
         for (std::size_t i = 0; i < a.stages().size(); ++i) order_[a.stages()[i].name] = i;
         if (parameters().early_out != EarlyOut::immediate || options_.isolated || !input_ ||
-            !a.header().patterns.empty()) {
+            !a.header().patterns.empty() || !a.has_buffers()) {
             return;
         }
         check_a();
@@ -122,21 +122,20 @@ class Differ::State {
 
     void add(const StageView& b) {
         if (b_checker_) b_checker_->on_stage(b);
-        if (!asked(b.name)) return;
-        const auto at = order_.find(b.name);
-        if (at == order_.end()) {
-            if (a_.covers(b.name)) {
-                add_missing(bare(b), "A", last_);
-            } else {
-                ++not_compared_;
-            }
-            return;
-        }
-        last_ = at->second;
-        const LoadedStage a = a_.load(a_.stages()[last_]);
-        results_[key(last_)] = compare_stage(a.view, b);
-        seen_.insert(b.name);
+        const StageRecord* a = partner_of(b);
+        if (a == nullptr) return;
+        results_[key(last_)] = compare_stage(a_.load(*a).view, b);
         take_failures_of_b();
+    }
+
+    void add_by_hash(const StageRecord& b) {
+        b_checker_.reset();  // there is nothing to check the bounds with
+        const StageRecord* a = partner_of(bare_view(b));
+        if (a == nullptr) return;
+        StageResult result = bare(bare_view(b));
+        compare_hashes(a->inputs, b.inputs, true, b, result);
+        compare_hashes(a->outputs, b.outputs, false, b, result);
+        results_[key(last_)] = std::move(result);
     }
 
     void retry(std::string_view stage, std::string_view reason) {
@@ -195,6 +194,57 @@ class Differ::State {
         return settings;
     }
     const PipelineParameters& parameters() const { return a_.header().parameters; }
+    /// A's stage of that name, which is the last seen from now on; null where there is none to
+    /// compare with.
+    const StageRecord* partner_of(const StageView& b) {
+        if (!asked(b.name)) return nullptr;
+        const auto at = order_.find(b.name);
+        if (at == order_.end()) {
+            if (a_.covers(b.name)) {
+                add_missing(bare(b), "A", last_);
+            } else {
+                ++not_compared_;
+            }
+            return nullptr;
+        }
+        last_ = at->second;
+        seen_.insert(b.name);
+        return &a_.stages()[last_];
+    }
+
+    /// Equal canonical hashes, whatever the order or the room for more, are equal content.
+    void compare_hashes(const std::vector<BufferRecord>& a, const std::vector<BufferRecord>& b,
+                        bool input, const StageRecord& stage, StageResult& result) {
+        const StageView view = bare_view(stage);
+        for (const BufferRecord& buffer : a) {
+            const auto other = std::find_if(b.begin(), b.end(), [&](const BufferRecord& record) {
+                return record.name == buffer.name;
+            });
+            Verdict verdict = Verdict::identical;
+            if (other == b.end() || buffer.canonical_hash != other->canonical_hash) {
+                verdict = depends_on_timing(parameters(), view, buffer.name) ||
+                                  only_occlusion(parameters(), view, buffer.name)
+                              ? Verdict::not_comparable
+                              : Verdict::differs;
+            } else if (buffer.hash != other->hash) {
+                verdict = Verdict::reordered;
+            }
+            result.buffers.push_back({buffer.name, input, verdict, 0});
+            result.verdict = std::max(result.verdict, verdict);
+            if (verdict != Verdict::differs || result.first) continue;
+            Divergence found = divergence_of(view);
+            found.buffer = buffer.name;
+            found.input = input;
+            found.a = "hash " + buffer.canonical_hash;
+            found.b = other == b.end() ? "no such buffer" : "hash " + other->canonical_hash;
+            found.sentence = fmt::format(
+                "the content differs; a capture is without its buffers, "
+                "so capture this stage again (--stages '{}') to see where",
+                stage.name);
+            result.first = std::move(found);
+        }
+    }
+
     bool asked(const std::string& stage) const {
         return options_.patterns.empty() ||
                std::any_of(options_.patterns.begin(), options_.patterns.end(),
@@ -368,6 +418,7 @@ Differ::Differ(const Capture& a, DiffOptions options)
     : state_(std::make_unique<State>(a, std::move(options))) {}
 Differ::~Differ() = default;
 void Differ::on_stage(const StageView& b) { state_->add(b); }
+void Differ::add_by_hash(const StageRecord& b) { state_->add_by_hash(b); }
 void Differ::on_retry(std::string_view stage, std::string_view reason) {
     state_->retry(stage, reason);
 }
@@ -432,7 +483,14 @@ DiffReport diff_captures(const Capture& a, const Capture& b, DiffOptions options
     expect_comparable(a, b);
     options.b_backend = b.header().backend;
     Differ differ(a, std::move(options));
-    for (const StageRecord& stage : b.stages()) differ.on_stage(b.load(stage).view);
+    const bool by_hash = !a.has_buffers() || !b.has_buffers();
+    for (const StageRecord& stage : b.stages()) {
+        if (by_hash) {
+            differ.add_by_hash(stage);
+        } else {
+            differ.on_stage(b.load(stage).view);
+        }
+    }
     DiffReport report = differ.finish([&](std::string_view stage) { return b.covers(stage); });
     report.b = b.directory().string();
     return report;

@@ -111,6 +111,8 @@ class Differ : public reference::StageObserver {
 
     void on_stage(const reference::StageView& b) override;
     void on_retry(std::string_view stage, std::string_view reason) override;
+    /// A stage of B of which only the index is left: compared by hash.
+    void add_by_hash(const StageRecord& b);
     /// A stage of A that B could not run, and why.
     void add_error(const StageRecord& stage, const std::string& what);
 
@@ -126,6 +128,8 @@ class Differ : public reference::StageObserver {
 /// or parameter. The hit capacity may differ.
 void expect_comparable(const Capture& a, const Capture& b);
 
+/// Where one of them has no buffers any more (an index travels lighter), by hash: which stage and
+/// buffer part first, but not where in it.
 DiffReport diff_captures(const Capture& a, const Capture& b, DiffOptions options = {});
 
 /// The report for people: non-finite values, the first divergence, a table by stage kind.

@@ -15,7 +15,7 @@ namespace scotty::verify {
 struct HitCheckSettings {
     /// Ray-triangle tests that brute force may spend on a scene; where all rays would need more, a
     /// subset drawn by `seed` is checked.
-    std::uint64_t brute_force_tests = 200'000'000;
+    std::uint64_t brute_force_tests = 400'000'000;
     std::uint64_t seed = 0;
     std::string stage_pattern;  ///< only traversals whose merge stage has such a name
 };

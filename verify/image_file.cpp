@@ -74,6 +74,8 @@ void write_image(const reference::Image& image, const std::string& path, float e
     if (exr) {
         spec.attribute("compression", "zip");
         spec.attribute("oiio:ColorSpace", "Linear");
+        // Else it is the time of writing; the same picture is the same file.
+        spec.attribute("DateTime", "1970:01:01 00:00:00");
     }
     const std::vector<std::uint8_t> bytes =
         exr ? std::vector<std::uint8_t>() : to_png_bytes(image, exposure);

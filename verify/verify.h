@@ -19,7 +19,7 @@ struct VerifySettings {
     std::size_t threads = 0;    ///< 0: all of the machine
     std::string stage_pattern;  ///< judge these stages only
     bool oracles = true;
-    std::uint64_t brute_force_tests = 200'000'000;  ///< see HitCheckSettings
+    std::uint64_t brute_force_tests = 400'000'000;  ///< see HitCheckSettings
     /// Called before each step: what is being done, steps done, steps in all.
     std::function<void(const std::string& what, std::size_t done, std::size_t total)> progress;
     /// For tests of the verification itself: stands between a pipeline and everything that looks

@@ -1,0 +1,206 @@
+/// The real program, run as a user runs it: exit codes, what goes to which stream, clean JSON.
+#include <sys/wait.h>
+
+#include <catch2/catch.hpp>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace {
+
+using Catch::Matchers::Contains;
+namespace fs = std::filesystem;
+
+struct Result {
+    int exit_code = -1;
+    std::string out, err;
+};
+
+std::string slurp(const fs::path& path) {
+    std::ifstream in(path);
+    std::ostringstream text;
+    text << in.rdbuf();
+    return text.str();
+}
+
+/// A folder that goes when the test does.
+struct Folder {
+    fs::path path;
+    Folder() {
+        std::string pattern = (fs::temp_directory_path() / "scotty_cli_XXXXXX").string();
+        REQUIRE(mkdtemp(pattern.data()) != nullptr);
+        path = pattern;
+    }
+    ~Folder() { fs::remove_all(path); }
+    std::string file(const char* name) const { return (path / name).string(); }
+};
+
+/// `scotty` lies beside this test program.
+Result scotty(const std::string& arguments) {
+    const Folder folder;
+    const fs::path program = fs::read_symlink("/proc/self/exe").parent_path() / "scotty";
+    REQUIRE(fs::exists(program));
+    const std::string command = "'" + program.string() + "' " + arguments + " >'" +
+                                folder.file("out") + "' 2>'" + folder.file("err") + "'";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, slurp(folder.file("out")),
+            slurp(folder.file("err"))};
+}
+
+constexpr const char* kQuick =
+    " --size 9x5 --spp 1 --bounces 1 --light-samples 1 --threads 1 --width 8 --rays-per-block 64 "
+    "--schedule parallel";
+
+TEST_CASE("command: help and version go to standard output and pass", "[verify][cli]") {
+    for (const std::string command : {"", "list ", "render ", "verify ", "bench ", "doctor "}) {
+        const Result help = scotty(command + "--help");
+        CHECK(help.exit_code == 0);
+        CHECK_THAT(help.out, Contains("Examples:"));
+        CHECK(help.err.empty());
+    }
+    const Result version = scotty("--version");
+    CHECK(version.exit_code == 0);
+    CHECK_THAT(version.out, Contains("scotty 0."));
+}
+
+TEST_CASE("command: bad usage and bad input exit with 2 and one clear line", "[verify][cli]") {
+    const Folder folder;
+    const std::string out = " -o '" + folder.file("a.png") + "'";
+    std::ofstream(folder.file("truncated.obj")) << "v 0 0 0\nv 1 0 0\nf 1 2 3\n";
+    const std::vector<std::pair<std::string, std::string>> table{
+        {"", "subcommand"},
+        {"frobnicate", "frobnicate"},
+        {"verify --frobnicate", "--frobnicate"},
+        {"render", "scene"},
+        {"render cornell", "--output"},
+        {"render nosuchscene" + out, "no such scene"},
+        {"render missing.dae" + out, "no such file"},
+        {"render '" + folder.file("truncated.obj") + "'" + out, "truncated.obj"},
+        {"render cornell" + out + " --width 3", "2, 4, 8 or 16, found 3"},
+        {"render cornell" + out + " --rays-per-block 0", "32..1024, found 0"},
+        {"render cornell" + out + " --rays-per-block 65", "multiple of 32"},
+        {"render cornell" + out + " --size 0x0", "image width"},
+        {"render cornell" + out + " --size 65536x65536", "image size"},
+        {"render cornell" + out + " --size 99999999999x1", "--size"},
+        {"render cornell" + out + " --size -1x5", "--size"},
+        {"render cornell" + out + " --size wide", "WIDTHxHEIGHT"},
+        {"render cornell" + out + " --spp 0", "samples per pixel"},
+        {"render cornell" + out + " --spp many", "--spp"},
+        {"render cornell" + out + " --early-out never", "off, level, immediate"},
+        {"render cornell" + out + " --filter blur", "gaussian"},
+        {"render cornell" + out + " --backend abacus", "abacus"},
+        {"render cornell -o picture.gif", "picture.gif"},
+        {"render cornell -o /no/such/folder/a.png", "/no/such/folder"},
+        {"verify nosuchscene", "no such scene"},
+        {"verify cornell --width 3", "found 3"},
+        {"verify cornell --width 8,,4", "--width"},
+        {"verify cornell --hit-mode stack", "buffer, packed"},
+        {"verify cornell --schedule backwards", "shuffled"},
+        {"verify cornell" + std::string(kQuick) + " --no-oracles --stage nosuchstage",
+         "nosuchstage"},
+        {"bench", "what"},
+        {"bench abacus", "abacus"},
+        {"bench emulator nosuchscene", "no such scene"},
+        {"list --frobnicate", "--frobnicate"}};
+    for (const auto& [arguments, expected] : table) {
+        const Result result = scotty(arguments);
+        INFO("scotty " << arguments << "\n" << result.err);
+        CHECK(result.exit_code == 2);
+        CHECK_THAT(result.err, Contains("error: ") && Contains(expected));
+        CHECK(result.out.empty());
+    }
+    CHECK_FALSE(fs::exists(folder.file("a.png")));
+}
+
+TEST_CASE("list: names every built-in scene; JSON is clean", "[verify][cli]") {
+    const Result text = scotty("list");
+    CHECK(text.exit_code == 0);
+    const Result json = scotty("list --json");
+    CHECK(json.exit_code == 0);
+    const auto scenes = nlohmann::json::parse(json.out);
+    CHECK(scenes.size() == 7);
+    for (const auto& scene : scenes)
+        CHECK_THAT(text.out, Contains(scene["name"].get<std::string>()));
+}
+
+TEST_CASE("doctor: says what there is; JSON is clean", "[verify][cli]") {
+    const Result text = scotty("doctor");
+    CHECK(text.exit_code == 0);
+    for (const char* word : {"CPU", "memory", "TBB", "Embree", "CUDA compiler", "CUDA device"}) {
+        CHECK_THAT(text.out, Contains(word));
+    }
+    const auto findings = nlohmann::json::parse(scotty("doctor --json").out);
+    CHECK(findings.size() >= 8);
+}
+
+TEST_CASE("render: both backends draw the same picture", "[verify][cli]") {
+    const Folder folder;
+    const std::string common = " --size 20x11 --spp 1 --threads 1 -o ";
+    const Result ours = scotty("render cornell" + common + "'" + folder.file("a.exr") + "'");
+    CHECK(ours.exit_code == 0);
+    CHECK(ours.out.empty());
+    CHECK_THAT(ours.err, Contains("a.exr"));
+    CHECK(scotty("render cornell --backend embree" + common + "'" + folder.file("b.exr") + "'")
+              .exit_code == 0);
+    CHECK(slurp(folder.file("a.exr")).size() > 300);
+    CHECK(slurp(folder.file("a.exr")) == slurp(folder.file("b.exr")));
+    CHECK(scotty("render cornell --filter median --exposure 1" + common + "'" +
+                 folder.file("c.png") + "'")
+              .exit_code == 0);
+    CHECK(fs::exists(folder.file("c.png")));
+}
+
+TEST_CASE("verify: passes with 0, a table on standard output and all reports", "[verify][cli]") {
+    const Folder folder;
+    const Result result =
+        scotty("verify cornell" + std::string(kQuick) + " --report '" + folder.file("r") + "'");
+    CHECK(result.exit_code == 0);
+    CHECK_THAT(result.out, Contains("cornell") && Contains("passed"));
+    CHECK_THAT(result.err, Contains("configurations"));
+    CHECK(nlohmann::json::parse(slurp(folder.file("r/verify.json")))["passed"].get<bool>());
+    CHECK_THAT(slurp(folder.file("r/verify.junit.xml")), Contains("<testsuite name=\"cornell\""));
+    CHECK_THAT(slurp(folder.file("r/verify.html")), Contains("passed"));
+}
+
+TEST_CASE("verify: JSON on standard output is clean, and its replay commands run",
+          "[verify][cli]") {
+    const Result result = scotty("verify furnace --no-oracles" + std::string(kQuick) + " --json -");
+    CHECK(result.exit_code == 0);
+    const auto report = nlohmann::json::parse(result.out);
+    CHECK(report["passed"].get<bool>());
+    const auto& scene = report["scenes"][0];
+    CHECK_FALSE(scene["oracles_ran"].get<bool>());
+    std::string replay = scene["configurations"][1]["replay"];
+    REQUIRE(replay.rfind("scotty ", 0) == 0);
+    const Result again =
+        scotty(replay.substr(7) + " --no-oracles --stage 'bounce0/level?/*' --json -");
+    INFO(replay << "\n" << again.err);
+    CHECK(again.exit_code == 0);
+    const auto replayed = nlohmann::json::parse(again.out);
+    CHECK(replayed["scenes"][0]["configurations"].size() == 2);  // the baseline, and that one
+    CHECK(replayed["scenes"][0]["configurations"][1]["configuration"] ==
+          scene["configurations"][1]["configuration"]);
+}
+
+TEST_CASE("bench: has the ratio to Embree, rays by kind and time by stage and level",
+          "[verify][cli]") {
+    const Result result =
+        scotty("bench emulator cornell --size 16x16 --repeats 1 --warm-ups 0 --threads 1 --json -");
+    CHECK(result.exit_code == 0);
+    const auto report = nlohmann::json::parse(result.out);
+    CHECK(report["ratio_to_embree"].get<double>() > 0.0);
+    CHECK(report["rays"].size() == 4);  // primary, two bounces, shadow
+    CHECK(report["stages"].size() >= 7);
+    CHECK(report["levels"].size() >= 2);
+    const Result text =
+        scotty("bench emulator cornell --size 16x16 --repeats 1 --warm-ups 0 --threads 1");
+    CHECK_THAT(text.out, Contains("primary") && Contains("shadow") && Contains("level 1"));
+}
+
+}  // namespace
