@@ -53,6 +53,12 @@ SCOTTY_HD Ray shadow_ray(const Surface& surface, const LightSample& light) {
     return ray;
 }
 
+/// Radiance that arrives from outside the scene along a ray of that direction.
+SCOTTY_HD Vec3 distant_radiance(const SceneView& scene, const Vec3& direction) {
+    return dot(direction, scene.hemisphere_up) > 0.0f ? scene.environment + scene.hemisphere
+                                                      : scene.environment;
+}
+
 /// Samples one light from a surface. Black (irradiance zero) where the light cannot reach it.
 SCOTTY_HD LightSample sample_light(const Light& light, const Surface& surface, float u, float v) {
     if (light.kind == LightKind::parallelogram || light.kind == LightKind::triangle) {
@@ -71,6 +77,9 @@ SCOTTY_HD LightSample sample_light(const Light& light, const Surface& surface, f
     const Vec3 direction = sample_cosine_hemisphere(surface.shading_normal, u, v);
     const float cosine = dot(direction, surface.shading_normal);
     if (!(cosine > 0.0f)) return no_light();
+    if (light.kind == LightKind::hemisphere && !(dot(direction, light.normal) > 0.0f)) {
+        return no_light();
+    }
     return {direction, kInfinity, light.radiance * (kPi / cosine)};
 }
 

@@ -90,7 +90,7 @@ SCOTTY_HD Scattered scatter(const SceneView& scene, const PathParameters& parame
     if ((flags & kPathAlive) == 0) return end;
     if (!is_hit(hit)) {
         if (counts_emission(bounce, flags, true, parameters)) {
-            end.emitted = throughput * scene.environment;
+            end.emitted = throughput * distant_radiance(scene, ray.direction);
         }
         return end;
     }

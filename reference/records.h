@@ -93,7 +93,8 @@ enum class LightKind : std::uint32_t {
     triangle = 1,       ///< the same with x + y <= 1
     point = 2,
     directional = 3,
-    environment = 4  ///< the same radiance from every direction
+    environment = 4,  ///< the same radiance from every direction
+    hemisphere = 5    ///< the same from the half around `normal`, black from the other
 };
 
 struct Light {
@@ -102,7 +103,7 @@ struct Light {
     Vec3 edge_x{0.0f, 0.0f, 0.0f};
     Vec3 edge_y{0.0f, 0.0f, 0.0f};
     /// Unit: the front side of an area light (it emits there only); where a directional light
-    /// shines to.
+    /// shines to; the middle of a hemisphere.
     Vec3 normal{0.0f, 0.0f, 1.0f};
     /// Area, environment: radiance, W/m^2/sr. Point: intensity, W/sr. Directional: irradiance on a
     /// surface that faces it, W/m^2.

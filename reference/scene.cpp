@@ -14,6 +14,10 @@ SceneView view_of(const Scene& scene) {
     view.light_count = static_cast<std::uint32_t>(scene.lights.size());
     for (const Light& light : scene.lights) {
         if (light.kind == LightKind::environment) view.environment += light.radiance;
+        if (light.kind == LightKind::hemisphere) {
+            view.hemisphere += light.radiance;
+            view.hemisphere_up = light.normal;
+        }
     }
     view.camera = scene.camera;
     return view;

@@ -38,6 +38,8 @@ struct SceneView {
     std::uint32_t triangle_count = 0;
     std::uint32_t light_count = 0;
     Vec3 environment{0.0f, 0.0f, 0.0f};  ///< radiance of all environment lights together
+    Vec3 hemisphere{0.0f, 0.0f, 0.0f};   ///< of all hemisphere lights, from around hemisphere_up
+    Vec3 hemisphere_up{0.0f, 1.0f, 0.0f};
     Camera camera;
 };
 

@@ -109,13 +109,15 @@ void check_material(const Material& material, std::size_t i, const Checker& chec
 }
 
 void check_light(const Light& light, std::size_t i, const Checker& check) {
-    if (light.kind > LightKind::environment) {
-        check.fail(fmt::format("light {}", i), fmt::format("kind: expected 0 to 4, found {}",
+    if (light.kind > LightKind::hemisphere) {
+        check.fail(fmt::format("light {}", i), fmt::format("kind: expected 0 to 5, found {}",
                                                            static_cast<std::uint32_t>(light.kind)));
     }
     check.in_range(light.radiance, 0.0f, kMaxRadiance, "light", i, "radiance");
     check.coordinate(light.position, "light", i, "position");
-    if (light.kind == LightKind::directional) check.unit(light.normal, "light", i, "normal");
+    if (light.kind == LightKind::directional || light.kind == LightKind::hemisphere) {
+        check.unit(light.normal, "light", i, "normal");
+    }
     if (light.kind != LightKind::parallelogram && light.kind != LightKind::triangle) return;
     check.coordinate(light.edge_x, "light", i, "edge_x");
     check.coordinate(light.edge_y, "light", i, "edge_y");

@@ -17,6 +17,12 @@ class ColladaDocument {
     explicit ColladaDocument(std::string path);
 
     pugi::xml_node root() const { return root_; }
+    /// Whether anything in it uses Scotty3D's CMU462 extras.
+    bool made_for_scotty3d() const {
+        return !root_.select_node("//*[local-name()='technique'][@profile='CMU462']")
+                    .node()
+                    .empty();
+    }
     /// The element that "#id" points to, inside this file. Throws where there is none, or where it
     /// is not one of `kind`; `user` is the element that refers to it.
     pugi::xml_node target(pugi::xml_node user, const char* attribute, const char* kind) const;

@@ -67,10 +67,7 @@ std::optional<Light> make_light(const ColladaDocument& document, pugi::xml_node 
         }
         return light;
     }
-    if (kind == "hemisphere") {
-        notes.add("a hemisphere light is approximated by the same radiance from all sides");
-    }
-    return environment_light(radiance);
+    return kind == "hemisphere" ? hemisphere_light(radiance) : environment_light(radiance);
 }
 
 bool is_known(const std::string& kind) {

@@ -198,7 +198,7 @@ Camera fit_camera(const Scene& scene, const Camera& direction_of) {
 
 void settle_camera(Scene& scene, const std::optional<Camera>& own, CameraChoice choice,
                    Notes& notes) {
-    if (own && choice == CameraChoice::file) {
+    if (own && choice != CameraChoice::fit) {
         scene.camera = *own;
         return;
     }

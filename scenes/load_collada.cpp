@@ -38,7 +38,7 @@ class ColladaLoader {
         }
         settle_emission(scene_, notes_);
         light_if_dark(scene_, notes_);
-        settle_camera(scene_, camera_, choice, notes_);
+        settle_camera(scene_, camera_, settled(choice), notes_);
         notes_.write_to(scene_.warnings);
         return std::move(scene_);
     }
@@ -110,6 +110,17 @@ class ColladaLoader {
                 notes_.add("a skinned or morphed mesh is not supported: left out");
             }
         }
+    }
+
+    /// Scotty3D keeps a file's camera direction and places the camera itself; files made for it
+    /// rely on that (their own positions look out from floor height).
+    CameraChoice settled(CameraChoice choice) {
+        if (choice != CameraChoice::automatic) return choice;
+        if (!camera_ || !document_.made_for_scotty3d()) return CameraChoice::file;
+        notes_.add(
+            "the camera frames the scene, as Scotty3D does with such files: "
+            "#camera=file takes the file's own position");
+        return CameraChoice::fit;
     }
 
     void take_camera(pugi::xml_node instance, const Affine& place) {

@@ -8,7 +8,12 @@
 namespace scotty::scenes {
 
 /// Where the camera of a loaded scene comes from: the file's own, or one that frames everything.
-enum class CameraChoice { file, fit };
+enum class CameraChoice {
+    automatic,  ///< fit where the file is made for Scotty3D, which frames its scenes itself; else
+                ///< file
+    file,
+    fit
+};
 
 /// COLLADA with the Scotty3D extras. Throws reference::Error (bad_input) naming file and element.
 reference::Scene load_collada(const std::string& path, CameraChoice camera);

@@ -115,6 +115,14 @@ Light environment_light(const Vec3& radiance) {
     return light;
 }
 
+Light hemisphere_light(const Vec3& radiance) {
+    Light light;
+    light.kind = LightKind::hemisphere;
+    light.normal = Vec3(0.0f, 1.0f, 0.0f);
+    light.radiance = radiance;
+    return light;
+}
+
 void add_lamp(Scene& scene, const Vec3& corner, const Vec3& edge_x, const Vec3& edge_y,
               const Vec3& radiance) {
     Material material;

@@ -39,6 +39,8 @@ reference::Light point_light(const Vec3& position, const Vec3& intensity);
 /// `direction`, of any length, is where the light shines to.
 reference::Light directional_light(const Vec3& direction, const Vec3& irradiance);
 reference::Light environment_light(const Vec3& radiance);
+/// From above only: scenes are y up.
+reference::Light hemisphere_light(const Vec3& radiance);
 
 /// An emissive quad and the light that stands for it.
 void add_lamp(reference::Scene& scene, const Vec3& corner, const Vec3& edge_x, const Vec3& edge_y,

@@ -42,7 +42,9 @@ std::string lower_extension(const std::string& path) {
 /// Takes "#camera=file" or "#camera=fit" off the end of a path.
 CameraChoice take_camera_choice(std::string& path) {
     const std::size_t mark = path.rfind('#');
-    if (mark == std::string::npos || std::filesystem::exists(path)) return CameraChoice::file;
+    if (mark == std::string::npos || std::filesystem::exists(path)) {
+        return CameraChoice::automatic;
+    }
     const std::string choice = path.substr(mark + 1);
     const std::string whole = path;
     path.resize(mark);

@@ -234,3 +234,25 @@ TEST_CASE("direct light: an even environment gives an open surface pi times its 
     CHECK(got.mean == Approx(0.5 * M_PI).epsilon(1e-5));
     CHECK(got.error < 1e-3);
 }
+
+TEST_CASE("direct light: a hemisphere lights an upright wall half as much as a floor",
+          "[reference][light]") {
+    Light light;
+    light.kind = LightKind::hemisphere;
+    light.normal = kUp;
+    light.radiance = Vec3(0.5f);
+    const Estimate floor = irradiance(light, surface_of(Vec3(0.0f), kUp), 1000);
+    CHECK(floor.mean == Approx(0.5 * M_PI).epsilon(1e-5));
+    const Estimate wall = irradiance(light, surface_of(Vec3(0.0f), Vec3(1, 0, 0)), 20000);
+    CHECK(std::abs(wall.mean - 0.25 * M_PI) < 5 * wall.error);
+    const Estimate ceiling = irradiance(light, surface_of(Vec3(0.0f), kUp * -1.0f), 1000);
+    CHECK(ceiling.mean == 0.0);
+}
+
+TEST_CASE("environment: a hemisphere is seen above the horizon only", "[reference][light]") {
+    SceneView scene;
+    scene.environment = Vec3(0.25f);
+    scene.hemisphere = Vec3(0.5f);
+    CHECK(distant_radiance(scene, Vec3(0, 1, 0)) == Vec3(0.75f));
+    CHECK(distant_radiance(scene, Vec3(0, -1, 0)) == Vec3(0.25f));
+}

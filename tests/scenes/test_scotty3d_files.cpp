@@ -119,9 +119,10 @@ TEST_CASE("Scotty3D files: the point and triangle lights of CBempty", "[scenes][
     CHECK(warns(scene, "attenuation"));
 }
 
-TEST_CASE("Scotty3D files: the camera is the file's own, fitted on demand", "[scenes][scotty3d]") {
+TEST_CASE("Scotty3D files: the camera frames the scene, the file's own position on demand",
+          "[scenes][scotty3d]") {
     NEED_SCOTTY3D_SCENES();
-    const Scene own = load("CBspheres.dae");
+    const Scene own = load("CBspheres.dae#camera=file");
     CHECK(reference::length(own.camera.position - Vec3(0, 0, -3)) < 1e-5f);
     CHECK(own.camera.forward.z > 0.999f);
     CHECK(own.camera.up.y > 0.999f);
@@ -129,5 +130,8 @@ TEST_CASE("Scotty3D files: the camera is the file's own, fitted on demand", "[sc
     const Scene fitted = load("CBspheres.dae#camera=fit");
     CHECK(fitted.camera.forward == own.camera.forward);
     CHECK(fitted.camera.position.y == Approx(0.75));
+    const Scene standard = load("CBspheres.dae");
+    CHECK(standard.camera.position == fitted.camera.position);
+    CHECK(warns(standard, "as Scotty3D does"));
     CHECK(warns(load("CBgems.dae"), "15 numbers instead of 16"));
 }
