@@ -13,7 +13,8 @@ namespace scotty::reference {
 SCOTTY_HD float exp_minus(float x) {
     if (!(x < 87.0f)) return 0.0f;
     // To the nearest power of two, and what is left from x itself: of y it would keep the rounding.
-    const std::int32_t whole = static_cast<std::int32_t>(x * 1.44269504f + 0.5f);
+    const float power = x * 1.44269504f + 0.5f;
+    const auto whole = static_cast<std::int32_t>(power);
     const float r = fmaf(static_cast<float>(whole), -0.69314718f, x);  // -ln(2)/2 .. ln(2)/2
     const float fraction =
         1.0f + r * (-1.0f + r * (0.5f + r * (-1.6666667e-1f +

@@ -28,10 +28,11 @@ SCOTTY_HD Ray primary_ray(const Camera& camera, const PathParameters& parameters
                           std::uint32_t pixel, std::uint32_t sample) {
     const Random4 random =
         random4(parameters.seed, pixel, sample, 0, static_cast<std::uint32_t>(Dimension::camera));
-    const float width = static_cast<float>(parameters.image_width);
-    const float height = static_cast<float>(parameters.image_height);
+    const auto width = static_cast<float>(parameters.image_width);
+    const auto height = static_cast<float>(parameters.image_height);
+    const std::uint32_t row = pixel / parameters.image_width;
     const float x = static_cast<float>(pixel % parameters.image_width) + random.a;
-    const float y = static_cast<float>(pixel / parameters.image_width) + random.b;
+    const float y = static_cast<float>(row) + random.b;
     const float across = (2.0f * (x / width) - 1.0f) * (camera.tan_half_fov * (width / height));
     const float upward = (1.0f - 2.0f * (y / height)) * camera.tan_half_fov;
     const Vec3 direction = camera.forward + camera.right * across + camera.up * upward;
@@ -60,8 +61,8 @@ SCOTTY_HD DirectLight sample_direct_light(const SceneView& scene, const PathPara
     const Material& material = scene.materials[surface.material];
     if (material.kind != MaterialKind::diffuse) return nothing;
 
-    const float count = static_cast<float>(scene.light_count);
-    const std::uint32_t picked = static_cast<std::uint32_t>(random.a * count);
+    const auto count = static_cast<float>(scene.light_count);
+    const auto picked = static_cast<std::uint32_t>(random.a * count);
     const std::uint32_t index = picked < scene.light_count ? picked : scene.light_count - 1;
     const LightSample light = sample_light(scene.lights[index], surface, random.b, random.c);
     const float cosine = dot(light.direction, surface.shading_normal);

@@ -100,9 +100,10 @@ TEST_CASE("filter: median equals a sorted reference, borders included", "[emulat
         for (int y = 0; y < static_cast<int>(height); ++y) {
             for (int x = 0; x < static_cast<int>(width); ++x) {
                 for (int c = 0; c < 3; ++c) {
-                    std::vector<float> values;
+                    std::array<float, 9> values{};
                     for (int i = 0; i < 9; ++i) {
-                        values.push_back(at(image, x + i % 3 - 1, y + i / 3 - 1)[c]);
+                        values[static_cast<std::size_t>(i)] =
+                            at(image, x + i % 3 - 1, y + i / 3 - 1)[c];
                     }
                     std::sort(values.begin(), values.end());
                     CHECK(at(got, x, y)[c] == values[4]);

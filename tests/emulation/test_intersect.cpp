@@ -108,10 +108,10 @@ TEST_CASE("intersect: a missing child gets nothing", "[emulation][intersect]") {
     level.scan(32);
     auto& node = level.inner[0];
     std::uint32_t missing = kNone;
-    for (std::uint32_t c = 0; c < 4; ++c) {
-        if (node.child[c] == kNone) continue;
-        missing = node.child[c] - level.first_child();
-        node.child[c] = kNone;  // its box still is where rays go
+    for (std::uint32_t& child : node.child) {
+        if (child == kNone) continue;
+        missing = child - level.first_child();
+        child = kNone;  // its box still is where rays go
         break;
     }
     Device device({1, ScheduleKind::linear, 0});

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cstring>
 #include <numeric>
+#include <utility>
 
 #include "reference/tracers.h"
 #include "tests/emulation/one_level.h"
@@ -18,8 +19,8 @@ namespace {
 
 /// One leaf with all triangles of a scene, and a queue of ray ids.
 struct OneLeaf {
-    explicit OneLeaf(const Scene& scene_, std::uint32_t hit_capacity = 1)
-        : scene(scene_), capacity(hit_capacity) {
+    explicit OneLeaf(Scene all, std::uint32_t hit_capacity = 1)
+        : scene(std::move(all)), capacity(hit_capacity) {
         for (std::uint32_t i = 0; i < scene.triangles.size(); ++i) {
             const auto& [a, b, c] = scene.triangles[i];
             triangles.push_back({scene.vertices[a], scene.vertices[b], scene.vertices[c], i});

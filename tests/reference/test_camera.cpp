@@ -63,8 +63,9 @@ TEST_CASE("camera: every ray passes through its own pixel, with field of view an
         const double slack = 1e-3;  // float directions, up to 300 pixels
         RC_ASSERT(x > pixel % width - slack);
         RC_ASSERT(x < pixel % width + 1.0 + slack);
-        RC_ASSERT(y > pixel / width - slack);
-        RC_ASSERT(y < pixel / width + 1.0 + slack);
+        const std::uint32_t row = pixel / width;
+        RC_ASSERT(y > row - slack);
+        RC_ASSERT(y < row + 1.0 + slack);
     });
 }
 

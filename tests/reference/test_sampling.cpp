@@ -31,7 +31,7 @@ void check_frame(const Vec3& n) {
 }
 
 double ulps(double error, double exact) {
-    const float f = static_cast<float>(std::abs(exact));
+    const auto f = static_cast<float>(std::abs(exact));
     return std::abs(error) / (std::nextafter(f, 2.0f) - f);
 }
 
@@ -90,7 +90,7 @@ TEST_CASE("sampling: disk points are uniform and stay inside", "[reference][samp
         // Equal areas: rings in r^2.
         const int ring = std::min(kRings - 1, static_cast<int>(radius2 * kRings));
         const int sector = std::min(kSectors - 1, static_cast<int>(angle * kSectors));
-        ++counts[static_cast<std::size_t>(ring * kSectors + sector)];
+        ++counts[static_cast<std::size_t>(ring) * kSectors + static_cast<std::size_t>(sector)];
     }
     const double expected = static_cast<double>(kDraws) / kCells;
     double chi2 = 0.0;
