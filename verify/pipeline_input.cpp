@@ -136,7 +136,7 @@ class ArrayWriter {
                const void* data, std::size_t bytes, const char* meaning) {
         const std::string file = name + ".npy";
         write_npy(directory_ / file, type, shape, data, bytes);
-        list_[name] = {{"file", file}, {"meaning", meaning}};
+        list_[name] = {{"file", file}, {"meaning", meaning}, {"hash", hash_text(data, bytes)}};
     }
 
     fs::path directory_;
@@ -146,7 +146,9 @@ class ArrayWriter {
 /// Reads the arrays that input.json should name; file names are ours, never taken from it.
 class ArrayReader {
  public:
-    explicit ArrayReader(fs::path directory) : directory_(std::move(directory)) {}
+    /// `list`: the member "arrays" of input.json, borrowed.
+    ArrayReader(fs::path directory, const json& list)
+        : directory_(std::move(directory)), list_(list) {}
 
     /// `row`: the shape without its first size; T is one row, or one element of it.
     template <class T>
@@ -162,6 +164,15 @@ class ArrayReader {
                                                row.empty() ? "" : ", ", fmt::join(row, ", "),
                                                to_string(array.type), shape_text(array.shape)));
         }
+        const std::string where = fmt::format("{}: arrays", (directory_ / kInputFile).string());
+        const std::string hash =
+            text_member(where + ": " + name, member(where, list_, name.c_str()), "hash");
+        if (const std::string found = hash_text(array.bytes.data(), array.bytes.size());
+            found != hash) {
+            throw Error::bad_input(file.string(), fmt::format("expected bytes of hash {}, found "
+                                                              "{}; the file has been changed",
+                                                              hash, found));
+        }
         std::vector<T> out(array.bytes.size() / sizeof(T));
         if (!array.bytes.empty()) std::memcpy(out.data(), array.bytes.data(), array.bytes.size());
         return out;
@@ -172,6 +183,7 @@ class ArrayReader {
 
  private:
     fs::path directory_;
+    const json& list_;
 };
 
 template <std::size_t Columns, class T, class Fill>
@@ -375,7 +387,7 @@ PipelineInput read_pipeline_input(const fs::path& given) {
     PipelineInput input;
     input.parameters =
         parse_parameters(where + ": parameters", member(where, object, "parameters"));
-    const ArrayReader arrays(directory);
+    const ArrayReader arrays(directory, member(where, object, "arrays"));
     input.scene = read_scene(arrays);
     const json& scene = member(where, object, "scene");
     input.scene.name = text_member(where + ": scene", scene, "name");

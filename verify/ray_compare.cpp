@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "reference/assert.h"
+#include "reference/ray_triangle_double.h"
 #include "verify/failure.h"
 
 namespace scotty::verify {
@@ -22,7 +23,18 @@ constexpr std::size_t kKept = 20;
 /// roundings are a thousand times closer, but for grazing rays, which adjudication excuses.
 constexpr double kDistanceGap = 1e-4;
 
-Hit hit_of(const HitCandidate& record) { return {record.t, record.primitive, 0.0f, 0.0f}; }
+/// Such files hold no barycentrics; adjudication is given those that belong to the primitive, so
+/// that it judges primitive and distance.
+Hit hit_of(const reference::Scene& scene, const reference::Ray& ray, const HitCandidate& record) {
+    Hit hit{record.t, record.primitive, 0.0f, 0.0f};
+    if (record.primitive < scene.triangles.size()) {
+        const reference::TriangleVerdict truth =
+            reference::judge_triangle(scene, record.primitive, ray);
+        hit.u = static_cast<float>(truth.u);
+        hit.v = static_cast<float>(truth.v);
+    }
+    return hit;
+}
 
 double relative_gap(const HitCandidate& a, const HitCandidate& b) {
     if (a.t == b.t) return 0.0;
@@ -64,8 +76,9 @@ HitComparison compare_hits(const reference::Scene& scene, const RayFile& rays,
                 scene, rays.rays[i], ours[i].primitive != 0, theirs[i].primitive != 0,
                 embree->closest(rays.rays[i]));
         } else {
-            found.verdict = reference::adjudicate_closest(scene, rays.rays[i], hit_of(ours[i]),
-                                                          hit_of(theirs[i]));
+            found.verdict = reference::adjudicate_closest(scene, rays.rays[i],
+                                                          hit_of(scene, rays.rays[i], ours[i]),
+                                                          hit_of(scene, rays.rays[i], theirs[i]));
         }
         switch (found.verdict.verdict) {
             case Disagreement::none:

@@ -1,0 +1,120 @@
+/// Runs, captures of them, and folders that go away: shared by the tests of captures and diffs.
+#pragma once
+
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "emulation/pipeline.h"
+#include "reference/wide_bvh.h"
+#include "scenes/scenes.h"
+#include "tests/verify/stage_copies.h"
+#include "verify/capture.h"
+#include "verify/capture_writer.h"
+#include "verify/pipeline_input.h"
+
+namespace scotty::verify::test {
+
+class TemporaryFolder {
+ public:
+    TemporaryFolder() {
+        std::string pattern =
+            (std::filesystem::temp_directory_path() / "scotty_capture_XXXXXX").string();
+        REQUIRE(mkdtemp(pattern.data()) != nullptr);
+        path_ = pattern;
+    }
+    ~TemporaryFolder() {
+        std::error_code ignored;
+        std::filesystem::remove_all(path_, ignored);
+    }
+    TemporaryFolder(const TemporaryFolder&) = delete;
+    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+    std::filesystem::path operator/(const char* name) const { return path_ / name; }
+    const std::filesystem::path& path() const { return path_; }
+
+ private:
+    std::filesystem::path path_;
+};
+
+inline std::string slurp(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    std::ostringstream text;
+    text << in.rdbuf();
+    return text.str();
+}
+inline void spill(const std::filesystem::path& file, const std::string& text) {
+    std::ofstream(file, std::ios::binary) << text;
+}
+/// `text` with the first `from` replaced by `to`.
+inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    REQUIRE(at != std::string::npos);
+    return text.replace(at, from.size(), to);
+}
+
+/// Small, but several levels, blocks a node, bounces and lights.
+inline reference::PipelineParameters small_parameters() {
+    reference::PipelineParameters p;
+    p.image_width = 13;
+    p.image_height = 11;
+    p.spp = 2;
+    p.bounces = 1;
+    p.light_samples = 1;
+    p.width = 4;
+    p.rays_per_block = 32;
+    p.hit_capacity = 32;
+    return p;
+}
+
+/// What a run is of. Built once a width.
+inline PipelineInput spheres_input(const reference::PipelineParameters& p) {
+    static const reference::Scene scene = scenes::load_scene("spheres");
+    static std::vector<std::unique_ptr<reference::WideBvh>> bvhs(17);
+    auto& bvh = bvhs.at(static_cast<std::size_t>(p.width));
+    if (!bvh) {
+        bvh = std::make_unique<reference::WideBvh>(
+            build_wide_bvh(scene, {p.width, p.max_leaf_size, 0}));
+    }
+    return {scene, *bvh, p};
+}
+
+using Spoil = std::function<void(StageCopies&)>;
+
+/// Renders, lets `spoil` change the stages, and writes them as a capture.
+inline Capture make_capture(const std::filesystem::path& directory,
+                            const reference::PipelineParameters& p, const Spoil& spoil = {},
+                            const emulation::DeviceOptions& device = {},
+                            const std::vector<std::string>& patterns = {}) {
+    const PipelineInput input = spheres_input(p);
+    CaptureWriter writer(directory, header_of("emulator", input.scene, input.bvh, p), patterns);
+    write_pipeline_input(writer.input_folder(), input.scene, input.bvh, p);
+    if (spoil) {
+        StageCopies stages;  // does not follow retries
+        emulation::Pipeline(input.scene, input.bvh, p, device, &stages).render();
+        spoil(stages);
+        stages.show_to(writer);
+    } else {
+        emulation::Pipeline(input.scene, input.bvh, p, device, &writer).render();
+    }
+    writer.finish();
+    return Capture::open(directory);
+}
+
+/// What the call throws.
+inline std::string error_of(const std::function<void()>& call) {
+    try {
+        call();
+    } catch (const reference::Error& error) {
+        CHECK(error.kind() == reference::ErrorKind::bad_input);
+        return error.what();
+    }
+    return "(no error)";
+}
+
+}  // namespace scotty::verify::test
