@@ -103,7 +103,9 @@ void print_result(const std::string& text) {
 
 int run_command(int argc, char** argv) {
     try {
-        spdlog::set_default_logger(spdlog::stderr_color_mt("scotty"));
+        // Tests call this more than once in one process.
+        auto logger = spdlog::get("scotty");
+        spdlog::set_default_logger(logger ? logger : spdlog::stderr_color_mt("scotty"));
         spdlog::set_pattern("scotty: %^%l%$: %v");
         return run(argc, argv);
     } catch (const reference::Error& error) {

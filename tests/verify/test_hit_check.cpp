@@ -48,6 +48,15 @@ Recording record(const PipelineParameters& p) {
     return recording;
 }
 
+/// The first path whose ray hits something; fails the test where none does.
+std::uint32_t first_hit(const std::vector<Hit>& hits) {
+    for (std::uint32_t i = 0; i < hits.size(); ++i) {
+        if (is_hit(hits[i])) return i;
+    }
+    FAIL("no ray hits anything");
+    return 0;
+}
+
 TEST_CASE("recording: paths are found by pixel and sample, whatever batch they ran in",
           "[verify][recording]") {
     PipelineParameters p = tiny();
@@ -110,8 +119,7 @@ TEST_CASE("recording: where any hit will do, which one is free, but not whether"
     const Recording whole = record(p);
     Recording other = whole;
     auto& hits = other.traversals[1].hits;
-    std::size_t hit = 0;
-    while (!is_hit(hits[hit])) ++hit;
+    const std::uint32_t hit = first_hit(hits);
     hits[hit].primitive ^= 1;
     CHECK(compare(whole, other, true, p.spp).empty());
     CHECK(compare(whole, other, false, p.spp).size() == 1);
@@ -151,35 +159,35 @@ TEST_CASE("oracles: beyond the budget brute force takes a subset, the same for t
 TEST_CASE("oracles: a hit that is off by one bit fails brute force", "[verify][oracle]") {
     const PipelineParameters p = tiny();
     Recording recording = record(p);
-    recording.traversals[2].hits[30].t *= 1.0000002f;
-    REQUIRE(is_hit(recording.traversals[2].hits[30]));
+    auto& hits = recording.traversals[2].hits;
+    const std::uint32_t ray = first_hit(hits);
+    hits[ray].t *= 1.0000002f;
     const HitCheckResult result = check_hits(spheres(), recording, embree(), p.spp, {});
     REQUIRE(result.failures.size() == 1);
     CHECK(result.failures[0].invariant == "brute-force");
     CHECK(result.failures[0].stage == "bounce1/merge_intersections");
-    CHECK(result.failures[0].ray == 30);
+    CHECK(result.failures[0].ray == ray);
 }
 
 TEST_CASE("oracles: a hit that is lost fails both, and Embree says that ours is wrong",
           "[verify][oracle]") {
     const PipelineParameters p = tiny();
     Recording recording = record(p);
-    recording.traversals[0].hits[100] = no_hit();
+    const std::uint32_t ray = first_hit(recording.traversals[0].hits);
+    recording.traversals[0].hits[ray] = no_hit();
     const HitCheckResult result = check_hits(spheres(), recording, embree(), p.spp, {});
     CHECK(result.ours_wrong == 1);
     REQUIRE(result.failures.size() == 2);
     CHECK(result.failures[0].invariant == "brute-force");
     CHECK(result.failures[1].invariant == "embree");
-    CHECK(result.failures[1].ray == 100);
+    CHECK(result.failures[1].ray == ray);
 }
 
 TEST_CASE("oracles: a shadow that is lost fails the any-hit comparison", "[verify][oracle]") {
     const PipelineParameters p = tiny();
     Recording recording = record(p);
     auto& shadow = recording.traversals[1];
-    std::size_t ray = 0;
-    while (!is_hit(shadow.hits[ray])) ++ray;
-    shadow.hits[ray] = no_hit();
+    shadow.hits[first_hit(shadow.hits)] = no_hit();
     // Without the brute force: its budget is nothing.
     const HitCheckResult result =
         check_hits(spheres(), recording, embree(), p.spp,
@@ -193,9 +201,7 @@ TEST_CASE("oracles: a dead ray that hits something fails", "[verify][oracle]") {
     const PipelineParameters p = tiny();
     Recording recording = record(p);
     auto& traversal = recording.traversals[0];
-    std::size_t ray = 0;
-    while (!is_hit(traversal.hits[ray])) ++ray;
-    traversal.rays[ray] = dead_ray();
+    traversal.rays[first_hit(traversal.hits)] = dead_ray();
     CHECK(check_hits(spheres(), recording, embree(), p.spp, {}).failures.size() == 1);
 }
 
