@@ -162,7 +162,7 @@ TEST_CASE("scene: light values out of range name the light and the field", "[sce
         check_rejected(scene, "light 1", "normal");
     }
     SECTION("unknown kind") {
-        light.kind = static_cast<LightKind>(5);
+        light.kind = static_cast<LightKind>(6);
         check_rejected(scene, "light 1", "kind");
     }
     SECTION("half the area, and a triangle, is right") {
