@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
@@ -11,14 +10,12 @@
 #include "verify/diff_parts.h"
 #include "verify/failure.h"
 #include "verify/invariants.h"
-#include "verify/npy.h"
 #include "verify/pipeline_input.h"
 
 namespace scotty::verify {
 
 using reference::BufferView;
 using reference::EarlyOut;
-using reference::Error;
 using reference::kNotApplicable;
 using reference::PipelineParameters;
 using reference::StageKind;
@@ -427,73 +424,6 @@ void Differ::add_error(const StageRecord& stage, const std::string& what) {
 }
 DiffReport Differ::finish(const std::function<bool(std::string_view)>& covers) {
     return state_->finish(covers);
-}
-
-bool DiffReport::passed() const {
-    return std::none_of(stages.begin(), stages.end(),
-                        [](const StageResult& stage) { return stage.failed(); });
-}
-
-const Divergence* DiffReport::first() const {
-    for (const StageResult& stage : stages) {
-        if (stage.first) return &*stage.first;
-    }
-    return nullptr;
-}
-
-std::uint64_t DiffReport::non_finite_values() const {
-    std::uint64_t values = 0;
-    for (const StageResult& stage : stages) {
-        for (const NonFinite& found : stage.non_finite) values += found.values;
-    }
-    return values;
-}
-
-const NonFinite* DiffReport::first_non_finite() const {
-    for (const StageResult& stage : stages) {
-        if (!stage.non_finite.empty()) return &stage.non_finite.front();
-    }
-    return nullptr;
-}
-
-void expect_comparable(const Capture& a, const Capture& b) {
-    const auto expect = [&](const std::string& what, const std::string& of_a,
-                            const std::string& of_b) {
-        if (of_a == of_b) return;
-        throw Error::bad_input(b.directory().string(),
-                               fmt::format("the captures cannot be compared: {} is {} there and "
-                                           "{} in {}",
-                                           what, of_b, of_a, a.directory().string()));
-    };
-    const CaptureHeader& ha = a.header();
-    const CaptureHeader& hb = b.header();
-    expect("the scene's fingerprint", hex_text(ha.scene_fingerprint),
-           hex_text(hb.scene_fingerprint));
-    PipelineParameters pa = ha.parameters;
-    pa.hit_capacity = hb.parameters.hit_capacity;  // where it starts does not matter: it grows
-    const nlohmann::ordered_json ja = to_json(pa);
-    const nlohmann::ordered_json jb = to_json(hb.parameters);
-    for (const auto& item : ja.items()) {
-        expect("the parameter " + item.key(), item.value().dump(), jb.at(item.key()).dump());
-    }
-    expect("the BVH's fingerprint", hex_text(ha.bvh_fingerprint), hex_text(hb.bvh_fingerprint));
-}
-
-DiffReport diff_captures(const Capture& a, const Capture& b, DiffOptions options) {
-    expect_comparable(a, b);
-    options.b_backend = b.header().backend;
-    Differ differ(a, std::move(options));
-    const bool by_hash = !a.has_buffers() || !b.has_buffers();
-    for (const StageRecord& stage : b.stages()) {
-        if (by_hash) {
-            differ.add_by_hash(stage);
-        } else {
-            differ.on_stage(b.load(stage).view);
-        }
-    }
-    DiffReport report = differ.finish([&](std::string_view stage) { return b.covers(stage); });
-    report.b = b.directory().string();
-    return report;
 }
 
 }  // namespace scotty::verify

@@ -1,6 +1,7 @@
 /// The diff as text and as JSON.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -111,6 +112,33 @@ std::string table(const DiffReport& report) {
 }
 
 }  // namespace
+
+bool DiffReport::passed() const {
+    return std::none_of(stages.begin(), stages.end(),
+                        [](const StageResult& stage) { return stage.failed(); });
+}
+
+const Divergence* DiffReport::first() const {
+    for (const StageResult& stage : stages) {
+        if (stage.first) return &*stage.first;
+    }
+    return nullptr;
+}
+
+std::uint64_t DiffReport::non_finite_values() const {
+    std::uint64_t values = 0;
+    for (const StageResult& stage : stages) {
+        for (const NonFinite& found : stage.non_finite) values += found.values;
+    }
+    return values;
+}
+
+const NonFinite* DiffReport::first_non_finite() const {
+    for (const StageResult& stage : stages) {
+        if (!stage.non_finite.empty()) return &stage.non_finite.front();
+    }
+    return nullptr;
+}
 
 std::string to_text(const Divergence& d) {
     std::string text = fmt::format("launch {} {}", d.launch, d.stage);
