@@ -79,30 +79,30 @@ struct CaptureIndex {
 
 nlohmann::ordered_json to_json(const CaptureIndex& index);
 /// Throws bad_input naming `file` and the element.
-CaptureIndex parse_index(const std::filesystem::path& file, const nlohmann::json& json);
+CaptureIndex parse_index(const std::filesystem::path& file, const nlohmann::json& object);
 
 /// Every field by its name; enumerations as their words.
 nlohmann::ordered_json to_json(const reference::PipelineParameters& parameters);
 /// Throws bad_input naming `where` and the field; the result has been validated.
 reference::PipelineParameters parse_parameters(const std::string& where,
-                                               const nlohmann::json& json);
+                                               const nlohmann::json& object);
 
 /// The whole file as JSON; throws bad_input naming it.
 nlohmann::json read_json(const std::filesystem::path& file);
 /// Throws bad_input naming the file where it cannot be written.
 void write_text(const std::filesystem::path& file, const std::string& text);
-/// Throws bad_input unless `json` says that format and this version.
-void expect_format(const std::filesystem::path& file, const nlohmann::json& json,
+/// Throws bad_input unless `object` says that format and this version.
+void expect_format(const std::filesystem::path& file, const nlohmann::json& object,
                    const char* format);
 
 /// A member of a JSON object; throws bad_input naming `where` and the member.
-const nlohmann::json& member(const std::string& where, const nlohmann::json& json,
+const nlohmann::json& member(const std::string& where, const nlohmann::json& object,
                              const char* name);
-std::uint64_t unsigned_member(const std::string& where, const nlohmann::json& json,
+std::uint64_t unsigned_member(const std::string& where, const nlohmann::json& object,
                               const char* name, std::uint64_t most);
-std::string text_member(const std::string& where, const nlohmann::json& json, const char* name);
+std::string text_member(const std::string& where, const nlohmann::json& object, const char* name);
 /// 16 hexadecimal digits.
-std::uint64_t hex_member(const std::string& where, const nlohmann::json& json, const char* name);
+std::uint64_t hex_member(const std::string& where, const nlohmann::json& object, const char* name);
 
 /// Every stage kind, in declaration order.
 const std::vector<reference::StageKind>& all_stage_kinds();

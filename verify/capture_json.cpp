@@ -86,7 +86,7 @@ class ParameterReader {
     /// A parameter that we do not know may change what the numbers mean.
     void expect_no_others() const {
         for (const auto& item : object_.items()) {
-            if (known_.count(item.key()) == 0) {
+            if (!known_.contains(item.key())) {
                 throw Error::bad_input(
                     where_, fmt::format("the parameter '{}' is not known here; the file was "
                                         "written by another version",

@@ -53,7 +53,7 @@ bool is_of_traversal(StageKind kind) {
 
 }  // namespace
 
-ReplacedDirectory::ReplacedDirectory(fs::path target)
+ReplacedDirectory::ReplacedDirectory(const fs::path& target)
     : target_(without_slash(target)), partial_(sibling(target_, "partial")) {
     expect_replaceable();
     std::error_code error;
@@ -181,7 +181,7 @@ void CaptureWriter::remove_unreferenced() const {
         for (const BufferRecord& buffer : stage.outputs) used.insert(buffer.file);
     }
     for (const auto& entry : fs::directory_iterator(directory_.path() / "buffers")) {
-        if (used.count("buffers/" + entry.path().filename().string()) == 0) {
+        if (!used.contains("buffers/" + entry.path().filename().string())) {
             fs::remove(entry.path());
         }
     }

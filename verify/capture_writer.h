@@ -17,7 +17,7 @@ namespace scotty::verify {
 class ReplacedDirectory {
  public:
     /// Throws bad_input naming the target where it is something else, or cannot be made.
-    explicit ReplacedDirectory(std::filesystem::path target);
+    explicit ReplacedDirectory(const std::filesystem::path& target);
     /// Removes what was written unless finish() has been called.
     ~ReplacedDirectory();
     ReplacedDirectory(const ReplacedDirectory&) = delete;

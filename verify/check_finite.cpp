@@ -69,7 +69,7 @@ Scan scan_hits(const StageView& stage) {
 Scan scan_packed(std::span<const std::uint64_t> packed) {
     Scan scan;
     for (std::size_t ray = 0; ray < packed.size(); ++ray) {
-        const float t = std::bit_cast<float>(static_cast<std::uint32_t>(packed[ray] >> 32));
+        const auto t = std::bit_cast<float>(static_cast<std::uint32_t>(packed[ray] >> 32));
         scan.look(ray, packed[ray] == ~std::uint64_t{0} || std::isfinite(t), t);
     }
     return scan;

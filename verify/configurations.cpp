@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <set>
 #include <utility>
@@ -90,34 +91,33 @@ std::vector<std::vector<std::size_t>> product_rows(const std::vector<std::size_t
 
 /// The pairs of values that no row holds yet.
 class Uncovered {
+    using Pair = std::array<std::size_t, 4>;  ///< factor, value, later factor, value
+
  public:
     explicit Uncovered(const std::vector<std::size_t>& sizes) {
         for (std::size_t f = 0; f < sizes.size(); ++f) {
             for (std::size_t g = f + 1; g < sizes.size(); ++g) {
                 for (std::size_t i = 0; i < sizes[f]; ++i) {
-                    for (std::size_t j = 0; j < sizes[g]; ++j) pairs_.insert({f, i, g, j});
+                    for (std::size_t j = 0; j < sizes[g]; ++j) pairs_.insert(Pair{f, i, g, j});
                 }
             }
         }
     }
     bool empty() const { return pairs_.empty(); }
     bool contains(std::size_t f, std::size_t i, std::size_t g, std::size_t j) const {
-        return pairs_.count(f < g ? Pair{f, i, g, j} : Pair{g, j, f, i}) != 0;
+        return pairs_.contains(f < g ? Pair{f, i, g, j} : Pair{g, j, f, i});
     }
     std::pair<std::size_t, std::size_t> first_left() const {
-        return {pairs_.begin()->f, pairs_.begin()->i};
+        return {(*pairs_.begin())[0], (*pairs_.begin())[1]};
     }
     void cover(const std::vector<std::size_t>& row) {
         for (std::size_t f = 0; f < row.size(); ++f) {
-            for (std::size_t g = f + 1; g < row.size(); ++g) pairs_.erase({f, row[f], g, row[g]});
+            for (std::size_t g = f + 1; g < row.size(); ++g)
+                pairs_.erase(Pair{f, row[f], g, row[g]});
         }
     }
 
  private:
-    struct Pair {
-        std::size_t f, i, g, j;
-        auto operator<=>(const Pair&) const = default;
-    };
     std::set<Pair> pairs_;
 };
 
@@ -242,7 +242,7 @@ std::vector<Configuration> configurations(const PipelineParameters& base,
             configuration.parameters.hit_capacity = base.hit_capacity;
         }
         reference::validate(configuration.parameters);
-        if (seen.insert(configuration.options()).second) out.push_back(std::move(configuration));
+        if (seen.insert(configuration.options()).second) out.push_back(configuration);
     };
     for (const auto& asked_row : product_rows(asked_sizes)) {
         for (const auto& free_row : free_rows) {

@@ -162,7 +162,7 @@ class Differ::State {
     DiffReport finish(const std::function<bool(std::string_view)>& covers) {
         for (std::size_t i = 0; i < a_.stages().size(); ++i) {
             const StageRecord& stage = a_.stages()[i];
-            if (seen_.count(stage.name) != 0 || !asked(stage.name)) continue;
+            if (seen_.contains(stage.name) || !asked(stage.name)) continue;
             if (covers(stage.name)) {
                 add_missing(bare(bare_view(stage)), "B", i);
             } else {

@@ -74,9 +74,9 @@ class Places {
     Places(const Capture& capture, const reference::WideBvh* bvh);
 
     /// Fills in level, node, block, ray, pixel and sample of the pair's first difference.
-    void fill(Divergence& divergence, const BufferPair& pair, const Comparison& first);
-    /// Pixel and sample of divergence.ray.
-    void fill_provenance(Divergence& divergence, std::uint32_t batch);
+    void fill(Divergence& out, const BufferPair& pair, const Comparison& first);
+    /// Pixel and sample of out.ray.
+    void fill_provenance(Divergence& out, std::uint32_t batch);
 
  private:
     std::uint32_t node_id(std::uint32_t level, std::size_t position) const;

@@ -87,7 +87,7 @@ std::string table(const DiffReport& report) {
     std::uint64_t missing = 0;
     for (const Verdict verdict : kVerdicts) {
         for (const auto& [kind, count] : counts) {
-            if (count.by_verdict.count(verdict) == 0) continue;
+            if (!count.by_verdict.contains(verdict)) continue;
             columns.push_back(verdict);
             break;
         }

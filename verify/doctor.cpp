@@ -66,7 +66,7 @@ std::string find_program(const std::string& name, const std::vector<std::string>
     }
     folders.insert(folders.end(), also.begin(), also.end());
     for (const std::string& folder : folders) {
-        const std::string candidate = folder + "/" + name;
+        std::string candidate = fmt::format("{}/{}", folder, name);
         if (!folder.empty() && access(candidate.c_str(), X_OK) == 0) return candidate;
     }
     return "";

@@ -31,7 +31,7 @@ std::vector<std::uint8_t> to_png_bytes(const reference::Image& image, float expo
     bytes.reserve(image.pixels.size() * 3);
     for (const reference::Vec3& pixel : image.pixels) {
         for (const float value : {pixel.x, pixel.y, pixel.z}) {
-            bytes.push_back(static_cast<std::uint8_t>(srgb(value * scale) * 255.0f + 0.5f));
+            bytes.push_back(static_cast<std::uint8_t>(std::lround(srgb(value * scale) * 255.0f)));
         }
     }
     return bytes;

@@ -121,18 +121,18 @@ class ArrayWriter {
     explicit ArrayWriter(fs::path directory) : directory_(std::move(directory)) {}
 
     template <class T>
-    void add(const std::string& name, const std::vector<T>& data, std::vector<std::size_t> shape,
-             const char* meaning) {
+    void add(const std::string& name, const std::vector<T>& data,
+             const std::vector<std::size_t>& shape, const char* meaning) {
         static_assert(sizeof(T) % 4 == 0);
         write(name,
               std::is_same_v<T, Vec3> || std::is_same_v<T, float> ? ElementType::float32
                                                                   : ElementType::uint32,
-              std::move(shape), data.data(), data.size() * sizeof(T), meaning);
+              shape, data.data(), data.size() * sizeof(T), meaning);
     }
     ordered_json list() const { return list_; }
 
  private:
-    void write(const std::string& name, ElementType type, std::vector<std::size_t> shape,
+    void write(const std::string& name, ElementType type, const std::vector<std::size_t>& shape,
                const void* data, std::size_t bytes, const char* meaning) {
         const std::string file = name + ".npy";
         write_npy(directory_ / file, type, shape, data, bytes);

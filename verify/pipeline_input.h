@@ -25,9 +25,9 @@ void write_pipeline_input(const std::filesystem::path& directory, const referenc
                           const reference::WideBvh& bvh,
                           const reference::PipelineParameters& parameters);
 
-/// Reads what the above has written; `directory` may be the capture's too. The same bits: both
-/// fingerprints are checked. Throws bad_input naming file and element.
-PipelineInput read_pipeline_input(const std::filesystem::path& directory);
+/// Reads what the above has written; `given` may be the directory of a capture too. The same bits:
+/// both fingerprints are checked. Throws bad_input naming file and element.
+PipelineInput read_pipeline_input(const std::filesystem::path& given);
 
 /// The header of a capture of a run with that input.
 CaptureHeader header_of(const std::string& backend, const reference::Scene& scene,

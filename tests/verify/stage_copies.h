@@ -1,10 +1,10 @@
 /// A run's stages with buffers of their own, to be spoiled and shown to a checker.
 #pragma once
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstring>
 #include <deque>
-#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -60,11 +60,11 @@ class StageCopies : public reference::StageObserver {
 
     /// The stage of that name; its last copy where a traversal was run again.
     StageCopy& at(std::string_view name) {
-        for (auto stage = stages_.rbegin(); stage != stages_.rend(); ++stage) {
-            if (stage->view.name == name) return *stage;
-        }
-        FAIL("no stage " << name);
-        return stages_.front();
+        const auto stage =
+            std::find_if(stages_.rbegin(), stages_.rend(),
+                         [&](const StageCopy& copy) { return copy.view.name == name; });
+        if (stage == stages_.rend()) FAIL("no stage " << name);
+        return *stage;
     }
 
     void show_to(reference::StageObserver& observer) const {

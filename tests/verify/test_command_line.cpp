@@ -92,6 +92,7 @@ Result scotty_here(const std::string& arguments) {
         words.push_back(word);
     }
     std::vector<char*> argv;
+    argv.reserve(words.size());
     for (std::string& word : words) argv.push_back(word.data());
     const Folder folder;
     Result result;

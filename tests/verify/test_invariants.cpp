@@ -51,7 +51,7 @@ struct Run {
         emulation::Pipeline(spheres(), bvh, parameters, {}, &stages).render();
     }
 
-    std::vector<Failure> check(verify::InvariantSettings settings = {}) const {
+    std::vector<Failure> check(const verify::InvariantSettings& settings = {}) const {
         InvariantChecker checker(spheres(), bvh, parameters, settings);
         stages.show_to(checker);
         return checker.failures();
