@@ -173,7 +173,7 @@ TEST_CASE("command: bad usage and bad input exit with 2 and one clear line", "[v
     CHECK(scotty("frobnicate").exit_code == 2);
 }
 
-TEST_CASE("list: names every built-in scene; JSON is clean", "[verify][cli]") {
+TEST_CASE("list: names every built-in scene, as clean JSON too", "[verify][cli]") {
     const Result text = scotty("list");
     CHECK(text.exit_code == 0);
     const Result json = scotty("list --json");
@@ -184,7 +184,7 @@ TEST_CASE("list: names every built-in scene; JSON is clean", "[verify][cli]") {
         CHECK_THAT(text.out, Contains(scene["name"].get<std::string>()));
 }
 
-TEST_CASE("doctor: says what there is; JSON is clean", "[verify][cli]") {
+TEST_CASE("doctor: says what there is, as clean JSON too", "[verify][cli]") {
     const Result text = scotty("doctor");
     CHECK(text.exit_code == 0);
     for (const char* word : {"CPU", "memory", "TBB", "Embree", "CUDA compiler", "CUDA device"}) {
