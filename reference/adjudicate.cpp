@@ -114,7 +114,7 @@ Adjudication judge_farther(const Scene& scene, const Ray& ray, const Hit& nearer
                 fmt::format("{}, but primitive {} {}", claim_text(far_side, farther),
                             nearer.primitive, describe(truth))};
     }
-    const Adjudication late = judge_lateness(scene, ray, farther, far_side);
+    Adjudication late = judge_lateness(scene, ray, farther, far_side);
     if (late.verdict != Disagreement::none) return late;
     return {Disagreement::grazing,
             fmt::format("primitive {} {}", nearer.primitive, describe(truth))};
@@ -165,7 +165,7 @@ Adjudication adjudicate_closest(const Scene& scene, const Ray& ray, const Hit& o
     const std::string against_embree = is_hit(embree) ? refute(scene, ray, embree) : "";
     if (!against_embree.empty()) {
         // Embree's mistake does not make ours right.
-        const Adjudication late = judge_lateness(scene, ray, ours, kOurs);
+        Adjudication late = judge_lateness(scene, ray, ours, kOurs);
         if (late.verdict != Disagreement::none) return late;
         return {kEmbree.wrong, claim_text(kEmbree, embree) + ", but " + against_embree};
     }

@@ -125,12 +125,12 @@ void EmbreeTracer::closest(std::span<const Ray> rays, std::span<Hit> hits) const
                       });
 }
 
-void EmbreeTracer::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded_) const {
-    SCOTTY_ASSERT(rays.size(), ==, occluded_.size());
+void EmbreeTracer::occluded(std::span<const Ray> rays, std::span<std::uint8_t> results) const {
+    SCOTTY_ASSERT(rays.size(), ==, results.size());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), kRaysPerTask),
                       [&](const tbb::blocked_range<std::size_t>& range) {
                           for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                              occluded_[i] = occluded(rays[i]) ? 1 : 0;
+                              results[i] = occluded(rays[i]) ? 1 : 0;
                           }
                       });
 }

@@ -17,7 +17,7 @@ enum class ErrorKind {
 /// Thrown at boundaries: I/O, command line, Embree and CUDA calls, contracts.
 /// The message names file and element (or parameter), what was expected and what was found.
 class Error : public std::runtime_error {
-   public:
+ public:
     Error(ErrorKind kind, const std::string& message) : std::runtime_error(message), kind_(kind) {}
 
     /// `where` is a file, element or parameter: "scene.obj: triangle 17".
@@ -31,7 +31,7 @@ class Error : public std::runtime_error {
 
     ErrorKind kind() const { return kind_; }
 
-   private:
+ private:
     ErrorKind kind_;
 };
 

@@ -98,21 +98,11 @@ void validate(const PipelineParameters& p) {
     expect_range("rays a batch", p.batch_rays, 1, 1u << 28);
 }
 
-const char* to_string(EarlyOut value) {
-    return word_of(kEarlyOutWords, value);
-}
-const char* to_string(BlockOrder value) {
-    return word_of(kBlockOrderWords, value);
-}
-const char* to_string(HitMode value) {
-    return word_of(kHitModeWords, value);
-}
-const char* to_string(ShadowQuery value) {
-    return word_of(kShadowQueryWords, value);
-}
-const char* to_string(Filter value) {
-    return word_of(kFilterWords, value);
-}
+const char* to_string(EarlyOut value) { return word_of(kEarlyOutWords, value); }
+const char* to_string(BlockOrder value) { return word_of(kBlockOrderWords, value); }
+const char* to_string(HitMode value) { return word_of(kHitModeWords, value); }
+const char* to_string(ShadowQuery value) { return word_of(kShadowQueryWords, value); }
+const char* to_string(Filter value) { return word_of(kFilterWords, value); }
 
 EarlyOut parse_early_out(const std::string& word) {
     return value_of(kEarlyOutWords, "early-out", word);
@@ -126,8 +116,6 @@ HitMode parse_hit_mode(const std::string& word) {
 ShadowQuery parse_shadow_query(const std::string& word) {
     return value_of(kShadowQueryWords, "shadow query", word);
 }
-Filter parse_filter(const std::string& word) {
-    return value_of(kFilterWords, "filter", word);
-}
+Filter parse_filter(const std::string& word) { return value_of(kFilterWords, "filter", word); }
 
 }  // namespace scotty::reference

@@ -11,7 +11,8 @@ namespace scotty::reference {
 enum class EarlyOut {
     off,       ///< never: every box overlapped is visited
     level,     ///< by the minimum as of the end of the level before: deterministic
-    immediate  ///< by the minimum at this moment, while other blocks lower it: never wrong, only late
+    immediate  ///< by the minimum at this moment, while other blocks lower it: never wrong, only
+               ///< late
 };
 
 /// Which rays a block takes: its linear index, or the report's 2-D grid that spreads neighbouring

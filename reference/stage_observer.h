@@ -79,7 +79,7 @@ struct StageView {
 };
 
 class StageObserver {
-   public:
+ public:
     StageObserver() = default;
     StageObserver(const StageObserver&) = delete;
     StageObserver& operator=(const StageObserver&) = delete;

@@ -20,7 +20,7 @@ void brute_force_closest(const Scene& scene, std::span<const Ray> rays, std::spa
 /// Embree, robust mode: another implementation of another algorithm, by other people.
 /// Throws missing_environment when Embree cannot start, internal on Embree errors.
 class EmbreeTracer {
-   public:
+ public:
     explicit EmbreeTracer(const Scene& scene);
     ~EmbreeTracer();
     EmbreeTracer(EmbreeTracer&&) noexcept;
@@ -36,7 +36,7 @@ class EmbreeTracer {
 
     static std::string version();  ///< "3.13.5"
 
-   private:
+ private:
     struct State;
     std::unique_ptr<State> state_;
 };
@@ -57,8 +57,8 @@ struct Adjudication {
 };
 
 /// Decides in double precision (or better) who is right about one ray: `embree` is what Embree
-/// found, `ours` what the pipeline under test found. Ours is also held to intersect_triangle(): on an
-/// edge that either may miss, what that test hits (watertight across the edge) must not be lost.
+/// found, `ours` what the pipeline under test found. Ours is also held to intersect_triangle(): on
+/// an edge that either may miss, what that test hits (watertight across the edge) must not be lost.
 Adjudication adjudicate_closest(const Scene& scene, const Ray& ray, const Hit& ours,
                                 const Hit& embree);
 /// The same for occlusion queries: only whether something is hit.

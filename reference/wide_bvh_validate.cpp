@@ -24,12 +24,8 @@ class Violations {
     std::vector<std::string> sentences_;
 };
 
-std::string text_of(const Vec3& v) {
-    return fmt::format("({}, {}, {})", v.x, v.y, v.z);
-}
-std::string text_of(const Bounds& box) {
-    return text_of(box.low) + " to " + text_of(box.high);
-}
+std::string text_of(const Vec3& v) { return fmt::format("({}, {}, {})", v.x, v.y, v.z); }
+std::string text_of(const Bounds& box) { return text_of(box.low) + " to " + text_of(box.high); }
 
 /// Exactly, and false where anything is not a number. Nothing is in every box.
 bool contains(const Bounds& outer, const Bounds& inner) {

@@ -65,7 +65,7 @@ ColladaDocument::ColladaDocument(std::string path) : path_(std::move(path)) {
     root_ = xml_.document_element();
     if (std::strcmp(root_.name(), "COLLADA") != 0) {
         throw Error::bad_input(
-            path, fmt::format("expected a <COLLADA> document, found <{}>", root_.name()));
+            path_, fmt::format("expected a <COLLADA> document, found <{}>", root_.name()));
     }
     IdCollector collector(by_id_);
     xml_.traverse(collector);

@@ -34,7 +34,7 @@ HitCandidate closest_of_packed(std::uint64_t packed) {
 
 }  // namespace
 
-TEST_CASE("merge: the nearest hit wins, in any order; a tie goes to the lower primitive id",
+TEST_CASE("merge: the nearest hit wins, in any order, and a tie goes to the lower primitive id",
           "[emulation][merge]") {
     CHECK(closest_of({{2, 5}, {1, 9}, {3, 1}}, 3, 4).primitive == 9);
     CHECK(closest_of({{1, 9}, {1, 4}, {1, 7}}, 3, 4).primitive == 4);

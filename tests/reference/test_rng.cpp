@@ -52,7 +52,7 @@ TEST_CASE("rng: Philox gives the published known answers", "[reference][rng]") {
     CHECK(pi.d == first(0x24126ea1u));
 }
 
-TEST_CASE("rng: numbers lie in [0, 1), one is never reached", "[reference][rng]") {
+TEST_CASE("rng: numbers are at least 0 and below 1", "[reference][rng]") {
     CHECK(to_unit_interval(0u) == 0.0f);
     CHECK(to_unit_interval(255u) == 0.0f);
     CHECK(to_unit_interval(256u) == std::ldexp(1.0f, -24));

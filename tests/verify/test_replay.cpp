@@ -69,7 +69,7 @@ TEST_CASE("replay: every stage alone gives what the run gave", "[verify][replay]
     CHECK(kinds.count(StageKind::intersect) == 1);
 }
 
-TEST_CASE("replay: early-out immediate replays; hits and radiance are compared bit for bit",
+TEST_CASE("replay: early-out immediate replays, hits and radiance are compared bit for bit",
           "[verify][replay][immediate]") {
     PipelineParameters p = small_parameters();
     p.early_out = EarlyOut::immediate;

@@ -152,7 +152,7 @@ TEST_CASE("verify: a stage pattern judges those stages alone", "[verify][whole]"
     CHECK(scene.configurations[1].counts.stages == 1);
 }
 
-TEST_CASE("report: JUnit counts cases and carries failures; HTML stands alone",
+TEST_CASE("report: JUnit counts cases and carries failures, HTML stands alone",
           "[verify][report]") {
     VerifySettings settings = quick();
     settings.oracles = false;
