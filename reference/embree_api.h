@@ -10,6 +10,7 @@
 #endif
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <memory>
 #include <string>
@@ -30,7 +31,12 @@ template <typename Handle>
 using EmbreeOwner = std::unique_ptr<std::remove_pointer_t<Handle>, ReleaseEmbree>;
 
 /// Throws missing_environment when Embree cannot start.
+///
+/// TBB keeps the floating-point control word that a thread has when it first meets TBB and hands it
+/// to all later tasks. Embree sets flush-to-zero while it builds, so that it must not be the first:
+/// every kernel that the emulator ran afterwards would flush denormals.
 inline EmbreeOwner<RTCDevice> make_embree_device() {
+    tbb::parallel_for(0, 2, [](int) {});
     EmbreeOwner<RTCDevice> device(rtcNewDevice(nullptr));
     if (!device) {
         throw Error::missing_environment(fmt::format("Embree {} cannot start (error {})",
