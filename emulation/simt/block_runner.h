@@ -1,0 +1,59 @@
+/// Runs one block of CUDA threads on one worker.
+///
+/// Warp by warp: every lane runs to its next stop; a warp whose lanes all stand at one collective
+/// gets its result and goes on, until it stands at a barrier or has left. When all warps stand at
+/// one barrier, the next phase begins. Anything else is a divergence.
+#pragma once
+
+#include <array>
+#include <coroutine>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "emulation/device.h"
+#include "emulation/simt/context.h"
+#include "emulation/simt/launch_error.h"
+#include "emulation/simt/thread_order.h"
+
+namespace scotty::emulation::simt {
+
+/// A kernel with its arguments, and the grid.
+struct Launch {
+    const char* kernel = "";
+    std::uint32_t blocks = 0;
+    std::uint32_t threads = 0;                       ///< a block
+    void (*start)(const void* arguments) = nullptr;  ///< one thread, to its first stop
+    const void* arguments = nullptr;
+    AccessObserver* observer = nullptr;
+};
+
+class BlockRunner {
+ public:
+    /// Throws LaunchError; the block is given up then, its other threads stay where they are.
+    void run(const Launch& launch, std::uint32_t block, ScheduleKind order, std::uint64_t seed);
+
+    std::uint64_t threads_run() const { return threads_run_; }
+
+ private:
+    void enter(const Launch& launch, std::uint32_t block);
+    /// Runs the warp up to a barrier or its end. False where its lanes do not meet.
+    template <bool First>
+    bool run_warp(const Launch& launch, std::uint32_t warp);
+    template <bool First>
+    void run_phase(const Launch& launch);
+    [[noreturn]] void fail_divergent(const Launch& launch) const;
+    /// Inside a handler: what the running thread has thrown.
+    [[noreturn]] void fail_thread(const Launch& launch) const;
+
+    std::array<std::coroutine_handle<>, kMaxThreads> handles_{};
+    std::array<const Site*, kMaxThreads> stops_{};
+    std::array<const Site*, kMaxThreads> returns_{};
+    std::array<std::array<std::uint32_t, kLanes>, 2> values_{};
+    ThreadOrder order_;
+    FrameArena arena_;
+    SharedMemory shared_;
+    std::uint64_t threads_run_ = 0;
+};
+
+}  // namespace scotty::emulation::simt

@@ -1,0 +1,153 @@
+#include "emulation/simt/cuda/cuda_runtime.h"
+
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+#include <string>
+
+#include "emulation/simt/current_device.h"
+
+namespace scotty::emulation::simt::cuda {
+
+struct Stream {};
+struct Event {
+    std::chrono::steady_clock::time_point time;
+};
+
+namespace {
+
+/// A failed launch fails what follows it, until somebody asks.
+cudaError_t status() {
+    return CurrentDevice::launch_failure().empty() ? cudaSuccess : cudaErrorLaunchFailure;
+}
+
+/// The text of the failure that was asked for last.
+std::string& told() {
+    static thread_local std::string text;
+    return text;
+}
+
+}  // namespace
+
+cudaError_t cudaGetLastError() {
+    const cudaError_t error = status();
+    if (error != cudaSuccess) told() = std::exchange(CurrentDevice::launch_failure(), "");
+    return error;
+}
+
+const char* cudaGetErrorName(cudaError_t error) {
+    switch (error) {
+        case cudaSuccess:
+            return "cudaSuccess";
+        case cudaErrorInvalidValue:
+            return "cudaErrorInvalidValue";
+        case cudaErrorMemoryAllocation:
+            return "cudaErrorMemoryAllocation";
+        default:
+            return "cudaErrorLaunchFailure";
+    }
+}
+
+const char* cudaGetErrorString(cudaError_t error) {
+    switch (error) {
+        case cudaSuccess:
+            return "no error";
+        case cudaErrorInvalidValue:
+            return "invalid argument";
+        case cudaErrorMemoryAllocation:
+            return "out of memory";
+        default:
+            break;
+    }
+    if (status() != cudaSuccess) cudaGetLastError();
+    return told().c_str();
+}
+
+cudaError_t cudaMalloc(void** memory, std::size_t bytes) {
+    if (status() != cudaSuccess) return status();
+    *memory = nullptr;
+    if (bytes == 0) return cudaSuccess;
+    void* host = ::operator new (bytes, std::align_val_t{256}, std::nothrow);
+    if (host == nullptr) return cudaErrorMemoryAllocation;
+    std::memset(host, kPoisonByte, bytes);
+    *memory = host;
+    return cudaSuccess;
+}
+
+cudaError_t cudaFree(void* memory) {
+    ::operator delete (memory, std::align_val_t{256});
+    return status();
+}
+
+cudaError_t cudaMemcpy(void* to, const void* from, std::size_t bytes, cudaMemcpyKind) {
+    if (status() != cudaSuccess) return status();
+    if (bytes != 0 && (to == nullptr || from == nullptr)) return cudaErrorInvalidValue;
+    if (bytes != 0) std::memcpy(to, from, bytes);
+    return cudaSuccess;
+}
+
+cudaError_t cudaMemcpyAsync(void* to, const void* from, std::size_t bytes, cudaMemcpyKind kind,
+                            cudaStream_t) {
+    return cudaMemcpy(to, from, bytes, kind);
+}
+
+cudaError_t cudaMemset(void* memory, int value, std::size_t bytes) {
+    if (status() != cudaSuccess) return status();
+    if (bytes != 0 && memory == nullptr) return cudaErrorInvalidValue;
+    if (bytes != 0) std::memset(memory, value, bytes);
+    return cudaSuccess;
+}
+
+cudaError_t cudaMemsetAsync(void* memory, int value, std::size_t bytes, cudaStream_t) {
+    return cudaMemset(memory, value, bytes);
+}
+
+cudaError_t cudaGetDevice(int* device) {
+    *device = 0;
+    return status();
+}
+
+cudaError_t cudaDeviceGetAttribute(int* value, cudaDeviceAttr, int) {
+    *value = kMultiprocessors;
+    return status();
+}
+
+cudaError_t cudaDeviceSynchronize() { return status(); }
+
+cudaError_t cudaStreamCreate(cudaStream_t* stream) {
+    *stream = new Stream;
+    return status();
+}
+
+cudaError_t cudaStreamDestroy(cudaStream_t stream) {
+    delete stream;
+    return status();
+}
+
+cudaError_t cudaStreamSynchronize(cudaStream_t) { return status(); }
+
+cudaError_t cudaEventCreate(cudaEvent_t* event) {
+    *event = new Event{};
+    return status();
+}
+
+cudaError_t cudaEventDestroy(cudaEvent_t event) {
+    delete event;
+    return status();
+}
+
+cudaError_t cudaEventRecord(cudaEvent_t event, cudaStream_t) {
+    event->time = std::chrono::steady_clock::now();
+    return status();
+}
+
+cudaError_t cudaEventSynchronize(cudaEvent_t) { return status(); }
+
+cudaError_t cudaEventElapsedTime(float* milliseconds, cudaEvent_t begin, cudaEvent_t end) {
+    const std::chrono::duration<float, std::milli> elapsed = end->time - begin->time;
+    *milliseconds = elapsed.count();
+    return status();
+}
+
+}  // namespace scotty::emulation::simt::cuda

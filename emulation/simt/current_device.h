@@ -1,0 +1,57 @@
+/// Which executor a launch or a runtime call without a device argument means, and what became of
+/// its last launch: the CUDA runtime's state, for one host thread.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include "emulation/simt/executor.h"
+#include "reference/error.h"
+
+namespace scotty::emulation::simt {
+
+/// Makes an executor the current one as long as it lives.
+class CurrentDevice {
+ public:
+    explicit CurrentDevice(Executor& executor) : before_(std::exchange(current(), &executor)) {}
+    ~CurrentDevice() { current() = before_; }
+    CurrentDevice(const CurrentDevice&) = delete;
+    CurrentDevice& operator=(const CurrentDevice&) = delete;
+
+    /// Null where there is none.
+    static Executor*& current() {
+        static thread_local Executor* executor = nullptr;
+        return executor;
+    }
+    /// What the last launch failed of; empty: it did not. As in CUDA, the host learns of it when it
+    /// asks, and every other call fails until then.
+    static std::string& launch_failure() {
+        static thread_local std::string failure;
+        return failure;
+    }
+
+ private:
+    Executor* before_;
+};
+
+/// SCOTTY_LAUNCH. The stream is the default one's or any other: a launch is over on return.
+template <class Stream, class... Parameters, class... Arguments>
+void launch_on_current_device(const char* name, std::uint32_t blocks, std::uint32_t threads,
+                              const Stream&, Kernel (*kernel)(Parameters...),
+                              Arguments&&... arguments) {
+    std::string& failure = CurrentDevice::launch_failure();
+    if (!failure.empty()) return;
+    if (CurrentDevice::current() == nullptr) {
+        failure = "kernel " + std::string(name) + ": no executor is current";
+        return;
+    }
+    try {
+        CurrentDevice::current()->launch(name, blocks, threads, kernel,
+                                         std::forward<Arguments>(arguments)...);
+    } catch (const reference::Error& error) {
+        failure = error.what();
+    }
+}
+
+}  // namespace scotty::emulation::simt

@@ -1,0 +1,88 @@
+/// The kernel dialect's words as the SIMT executor runs them: see gpu/dialect.h, which includes
+/// this file where SCOTTY_DIALECT_HEADER names it.
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "emulation/atomics.h"
+#include "emulation/simt/collectives.h"
+#include "emulation/simt/context.h"
+#include "emulation/simt/current_device.h"
+#include "emulation/simt/task.h"
+
+#define SCOTTY_DEVICE_NAMESPACE scotty::gpu::simt
+
+#define SCOTTY_KERNEL(name) inline ::scotty::emulation::simt::Kernel name
+#define SCOTTY_DEVICE inline
+#define SCOTTY_COLLECTIVE(type) inline ::scotty::emulation::simt::Task<type>
+#define SCOTTY_SYNC() (co_await ::scotty::emulation::simt::Barrier{&SCOTTY_SITE(barrier)})
+#define SCOTTY_AWAIT(call) (co_await ::scotty::emulation::simt::at(SCOTTY_SITE(collective), call))
+/// A loop, so that it is one statement with a return value or without, and not half an if.
+#define SCOTTY_RETURN \
+    for (::scotty::emulation::simt::leave(SCOTTY_SITE(exit));;) co_return
+#define SCOTTY_SHARED(type, name)                                                       \
+    type& name = *static_cast<type*>(::scotty::emulation::simt::context.shared->object( \
+        &SCOTTY_SITE(exit), sizeof(type), alignof(type)))
+#define SCOTTY_LAUNCH(kernel, blocks, threads, stream, ...)                               \
+    ::scotty::emulation::simt::launch_on_current_device(#kernel, blocks, threads, stream, \
+                                                        kernel __VA_OPT__(, ) __VA_ARGS__)
+
+namespace SCOTTY_DEVICE_NAMESPACE {
+
+constexpr std::uint32_t kWarpSize = emulation::simt::kLanes;
+
+SCOTTY_DEVICE std::uint32_t thread_index() { return emulation::simt::context.thread; }
+SCOTTY_DEVICE std::uint32_t block_size() { return emulation::simt::context.block_size; }
+SCOTTY_DEVICE std::uint32_t block_index() { return emulation::simt::context.block; }
+SCOTTY_DEVICE std::uint32_t grid_size() { return emulation::simt::context.grid_size; }
+SCOTTY_DEVICE std::uint32_t lane_index() { return thread_index() % kWarpSize; }
+SCOTTY_DEVICE std::uint32_t warp_index() { return thread_index() / kWarpSize; }
+
+SCOTTY_DEVICE emulation::simt::WarpBallot warp_ballot(bool predicate) { return {predicate}; }
+SCOTTY_DEVICE emulation::simt::WarpShuffleUp warp_shuffle_up(std::uint32_t value,
+                                                             std::uint32_t delta) {
+    return {value, delta};
+}
+SCOTTY_DEVICE std::uint32_t count_bits(std::uint32_t bits) {
+    return static_cast<std::uint32_t>(std::popcount(bits));
+}
+SCOTTY_DEVICE std::uint32_t bits_below_lane(std::uint32_t bits) {
+    return bits & ((1u << lane_index()) - 1u);
+}
+
+using Access = emulation::simt::AccessObserver::Access;
+using emulation::simt::note_access;
+
+SCOTTY_DEVICE std::uint32_t atomic_add(std::uint32_t* target, std::uint32_t value) {
+    note_access(Access::atomic, target, sizeof *target);
+    return emulation::atomic_add(*target, value);
+}
+SCOTTY_DEVICE void atomic_max(std::uint32_t* target, std::uint32_t value) {
+    note_access(Access::atomic, target, sizeof *target);
+    emulation::atomic_max(*target, value);
+}
+SCOTTY_DEVICE void atomic_min(std::uint64_t* target, std::uint64_t value) {
+    note_access(Access::atomic, target, sizeof *target);
+    emulation::atomic_min(*target, value);
+}
+SCOTTY_DEVICE void atomic_min_distance(float* target, float value) {
+    note_access(Access::atomic, target, sizeof *target);
+    emulation::atomic_min_distance(*target, value);
+}
+SCOTTY_DEVICE float load_relaxed(const float* source) {
+    note_access(Access::relaxed_read, source, sizeof *source);
+    return emulation::load_relaxed(*source);
+}
+SCOTTY_DEVICE std::uint32_t float_bits(float value) { return std::bit_cast<std::uint32_t>(value); }
+SCOTTY_DEVICE float bits_float(std::uint32_t bits) { return std::bit_cast<float>(bits); }
+
+template <class Record>
+SCOTTY_DEVICE Record load_record(const Record* source) {
+    static_assert(sizeof(Record) % 16 == 0, "whole 16-byte loads");
+    note_access(Access::read, source, sizeof *source);
+    return *source;
+}
+
+}  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -1,0 +1,31 @@
+/// Where a thread waits, or left: one constant for each place in a kernel's text.
+///
+/// Places are compared by address. The dialect's words make one each, so that two words in a line
+/// are two places.
+#pragma once
+
+#include <cstdint>
+
+namespace scotty::emulation::simt {
+
+enum class SiteKind : std::uint8_t { barrier, collective, exit };
+
+struct Site {
+    const char* file;
+    std::uint32_t line;
+    SiteKind kind;
+};
+
+/// What is noted of a thread that has left its kernel.
+inline constexpr Site kLeft{"", 0, SiteKind::exit};
+
+}  // namespace scotty::emulation::simt
+
+/// The Site of this place. A lambda without captures: g++ 12 destroys captures inside an await
+/// expression twice.
+#define SCOTTY_SITE(kind)                                                   \
+    ([]() -> const ::scotty::emulation::simt::Site& {                       \
+        static constexpr ::scotty::emulation::simt::Site site{              \
+            __FILE__, __LINE__, ::scotty::emulation::simt::SiteKind::kind}; \
+        return site;                                                        \
+    }())
