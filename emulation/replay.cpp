@@ -14,7 +14,7 @@ std::vector<reference::OwnedBuffer> run_stage(const reference::Scene& scene,
                                               const reference::StageView& stage) {
     SCOTTY_ASSERT(bvh.width, ==, parameters.width);
     Device device(options);
-    ReplayStage run{view_of(scene), bvh, parameters, stage, device, ReplayBuffers(stage)};
+    ReplayStage run{view_of(scene), bvh, parameters, stage, device, reference::StageBuffers(stage)};
     switch (stage.kind) {
         case StageKind::primary_rays:
             replay_primary_rays(run);

@@ -37,46 +37,15 @@ reference::PathParameters path_parameters(const PipelineParameters& p) {
     return {p.seed, p.image_width, p.image_height, p.light_samples, p.bounces};
 }
 
-/// Pixels and samples of a batch, as Pipeline::render() cuts the image.
-BatchView batch_view(const PipelineParameters& p, std::uint32_t batch) {
-    const std::uint32_t pixels = p.image_width * p.image_height;
-    const std::uint32_t samples = std::min(p.spp, p.batch_rays);
-    const std::uint32_t at_once = std::max(1u, std::min(pixels, p.batch_rays / samples));
-    const std::uint32_t rounds = (p.spp + samples - 1) / samples;
-    const std::uint32_t first = std::min(pixels, batch / rounds * at_once);
-    const std::uint32_t first_sample = batch % rounds * samples;
-    return {first, std::min(at_once, pixels - first), first_sample,
-            std::min(samples, p.spp - first_sample)};
-}
-
-BatchView batch_of(const ReplayStage& run) {
-    const BatchView batch = batch_view(run.parameters, run.stage.batch);
-    if (batch.pixels == 0) {
-        throw reference::Error::bad_input(
-            run.stage.name,
-            fmt::format("an image of {}x{} pixels, {} samples each, has no batch {}",
-                        run.parameters.image_width, run.parameters.image_height, run.parameters.spp,
-                        run.stage.batch));
-    }
-    return batch;
-}
-
-/// Hits index triangles: one that is none would lead the kernel out of the scene.
-std::span<const Hit> hits_of_scene(const ReplayStage& run, const char* name, std::size_t count) {
-    const std::span<const Hit> hits = run.buffers.input<Hit>(name, count);
-    for (std::size_t ray = 0; ray < hits.size(); ++ray) {
-        if (is_hit(hits[ray]) && hits[ray].primitive >= run.scene.triangle_count) {
-            run.buffers.fail(name, fmt::format("ray {} hits primitive {}, the scene has {}", ray,
-                                               hits[ray].primitive, run.scene.triangle_count));
-        }
-    }
-    return hits;
+BatchView batch_view(const ReplayStage& run) {
+    const reference::BatchExtent batch = batch_of(run.parameters, run.stage);
+    return {batch.first_pixel, batch.pixels, batch.first_sample, batch.samples};
 }
 
 }  // namespace
 
 void replay_primary_rays(ReplayStage& run) {
-    const BatchView batch = batch_of(run);
+    const BatchView batch = batch_view(run);
     const std::size_t n = std::size_t{batch.pixels} * batch.samples;
     PathBuffers paths{std::vector<Ray>(n),           std::vector<Vec3>(n),
                       std::vector<Vec3>(n),          std::vector<Vec3>(n),
@@ -106,7 +75,8 @@ void replay_direct_light_rays(ReplayStage& run) {
     paths.pixel = run.buffers.copy<std::uint32_t>("pixel", n);
     paths.sample = run.buffers.copy<std::uint32_t>("sample", n);
     paths.potential.resize(n);
-    const std::span<const Hit> hits = hits_of_scene(run, "path_hits", n);
+    const std::span<const Hit> hits =
+        hits_of_scene(run.buffers, "path_hits", n, run.scene.triangle_count);
     std::vector<Ray> shadow_rays(n);
     const PathView view = paths.view();
     run.device.launch_per_item(static_cast<std::uint32_t>(n), [&](std::uint32_t ray) {
@@ -142,7 +112,8 @@ void replay_scene_rays(ReplayStage& run) {
     paths.depth = run.buffers.copy<std::uint32_t>("depth", n);
     paths.pixel = run.buffers.copy<std::uint32_t>("pixel", n);
     paths.sample = run.buffers.copy<std::uint32_t>("sample", n);
-    const std::span<const Hit> hits = hits_of_scene(run, "path_hits", n);
+    const std::span<const Hit> hits =
+        hits_of_scene(run.buffers, "path_hits", n, run.scene.triangle_count);
     const PathView view = paths.view();
     run.device.launch_per_item(static_cast<std::uint32_t>(n), [&](std::uint32_t ray) {
         scene_rays(ray, run.scene, path_parameters(run.parameters), run.stage.bounce, hits.data(),
@@ -156,7 +127,7 @@ void replay_scene_rays(ReplayStage& run) {
 }
 
 void replay_reconstruct_image(ReplayStage& run) {
-    const BatchView batch = batch_of(run);
+    const BatchView batch = batch_view(run);
     const auto radiance =
         run.buffers.input<Vec3>("radiance", std::size_t{batch.pixels} * batch.samples);
     std::vector<Vec3> image = run.buffers.copy<Vec3>(

@@ -3,9 +3,9 @@
 #pragma once
 
 #include "emulation/device.h"
-#include "emulation/replay_buffers.h"
 #include "reference/pipeline_parameters.h"
 #include "reference/scene.h"
+#include "reference/stage_inputs.h"
 #include "reference/wide_bvh.h"
 
 namespace scotty::emulation {
@@ -16,7 +16,7 @@ struct ReplayStage {
     const reference::PipelineParameters& parameters;
     const reference::StageView& stage;
     Device& device;
-    ReplayBuffers buffers;
+    reference::StageBuffers buffers;
 };
 
 void replay_primary_rays(ReplayStage& run);

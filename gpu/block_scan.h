@@ -3,7 +3,7 @@
 
 #include "gpu/dialect.h"
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 constexpr std::uint32_t kMaxWarps = 32;
 
@@ -43,4 +43,4 @@ SCOTTY_COLLECTIVE(BlockRank) block_exclusive_scan(std::uint32_t value, BlockScan
     SCOTTY_RETURN result;
 }
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -4,7 +4,7 @@
 #include "gpu/dialect.h"
 #include "gpu/views.h"
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 SCOTTY_KERNEL(clear_traversal)
 (std::uint32_t count, const reference::Ray* rays, HitView hits, float* minimum, float* lowered) {
@@ -19,4 +19,4 @@ SCOTTY_KERNEL(clear_traversal)
     if (lowered != nullptr) lowered[ray_id] = rays[ray_id].t_max;
 }
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -5,9 +5,10 @@
 
 #include <string>
 
+#include "gpu/dialect.h"
 #include "reference/error.h"
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 /// Thrown when device memory runs out: the pipeline answers with smaller batches.
 class OutOfDeviceMemory : public reference::Error {
@@ -27,4 +28,4 @@ inline void check(cudaError_t status, const std::string& what) {
     throw reference::Error::internal(message);
 }
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -10,8 +10,9 @@
 #include <vector>
 
 #include "gpu/cuda_error.h"
+#include "gpu/dialect.h"
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 /// Counts bytes against an optional limit, so that running out can be tried on any device.
 struct MemoryBudget {
@@ -77,4 +78,4 @@ std::vector<T> download(const T* device, std::size_t count, const char* name) {
     return host;
 }
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -1,8 +1,9 @@
 #include <variant>
 
 #include "gpu/device_scene.h"
+#include "gpu/dialect.h"
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 namespace {
 
@@ -60,4 +61,4 @@ DeviceScene::DeviceScene(const reference::Scene& scene, const reference::WideBvh
     view_.lights = lights_.data();
 }
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -4,11 +4,12 @@
 #include <vector>
 
 #include "gpu/device_memory.h"
+#include "gpu/dialect.h"
 #include "gpu/views.h"
 #include "reference/scene.h"
 #include "reference/wide_bvh.h"
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 class DeviceScene {
  public:
@@ -45,4 +46,4 @@ class DeviceScene {
     DeviceMemory<std::uint32_t> node_refs_, parent_positions_;
 };
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE

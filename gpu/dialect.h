@@ -4,6 +4,9 @@
 /// SCOTTY_DIALECT_HEADER and gives the same words its own meaning; docs/kernel-dialect.md lists
 /// them. Everything else in a kernel is ordinary C++ and the functions below, which carry the names
 /// of what they do on the device.
+///
+/// One program may hold several builds of the same text (exact and fast arithmetic, the executor),
+/// so that all of gpu/ but its public headers lives in SCOTTY_DEVICE_NAMESPACE.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +15,14 @@
 #include SCOTTY_DIALECT_HEADER
 #else
 
+#if defined(SCOTTY_FAST_ARITHMETIC)
+#define SCOTTY_DEVICE_NAMESPACE scotty::gpu::fast
+#else
+#define SCOTTY_DEVICE_NAMESPACE scotty::gpu::exact
+#endif
+
 /// A kernel; its parameter list follows.
-#define SCOTTY_KERNEL(name) __global__ void name
+#define SCOTTY_KERNEL(name) static __global__ void name
 /// A device function without barriers or collectives.
 #define SCOTTY_DEVICE __device__ __forceinline__
 /// A device function with barriers or collectives; call it through SCOTTY_AWAIT.
@@ -26,8 +35,11 @@
 #define SCOTTY_RETURN return
 /// Shared memory of the block.
 #define SCOTTY_SHARED(type, name) __shared__ type name
+/// Launches a kernel with the arguments that follow the stream.
+#define SCOTTY_LAUNCH(kernel, blocks, threads, stream, ...) \
+    kernel<<<blocks, threads, 0, stream>>>(__VA_ARGS__)
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 constexpr std::uint32_t kWarpSize = 32;
 
@@ -89,6 +101,6 @@ SCOTTY_DEVICE Record load_record(const Record* source) {
     return loaded.record;
 }
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE
 
 #endif

@@ -5,7 +5,7 @@
 #include "gpu/views.h"
 #include "reference/path.h"
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 SCOTTY_KERNEL(direct_light_rays)
 (std::uint32_t count, reference::SceneView scene, reference::PathParameters parameters,
@@ -26,4 +26,4 @@ SCOTTY_KERNEL(direct_light_rays)
     paths.potential[ray_id] = light.potential;
 }
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -3,10 +3,11 @@
 
 #include <cstdint>
 
+#include "gpu/dialect.h"
 #include "gpu/filter_window.h"
 #include "reference/exponential.h"
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 /// Standard deviations: one pixel in space; in radiance this share of the centre pixel's largest
 /// channel plus a floor, so that exposure does not change what counts as an edge.
@@ -34,4 +35,4 @@ SCOTTY_KERNEL(filter_bilateral)(FilterView view) {
     view.filtered[pixel] = sum / weights;  // the centre weighs 1, so this is never 0 / 0
 }
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -3,10 +3,11 @@
 
 #include <cstdint>
 
+#include "gpu/dialect.h"
 #include "gpu/filter_window.h"
 #include "reference/exponential.h"
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 SCOTTY_KERNEL(filter_gaussian)(FilterView view) {
     const std::uint32_t pixel = block_index() * block_size() + thread_index();
@@ -23,4 +24,4 @@ SCOTTY_KERNEL(filter_gaussian)(FilterView view) {
     view.filtered[pixel] = sum / weights;
 }
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE

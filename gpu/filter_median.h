@@ -3,9 +3,10 @@
 
 #include <cstdint>
 
+#include "gpu/dialect.h"
 #include "gpu/filter_window.h"
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 /// The 5th smallest of nine values; reorders them.
 SCOTTY_DEVICE float median_of_nine(float (&values)[9]) {
@@ -38,4 +39,4 @@ SCOTTY_KERNEL(filter_median)(FilterView view) {
                                            median_of_nine(channels[2]));
 }
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -7,7 +7,7 @@
 #include "gpu/views.h"
 #include "reference/vec3.h"
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 /// The nearest valid coordinate.
 SCOTTY_DEVICE int inside(int value, std::uint32_t size) {
@@ -22,4 +22,4 @@ SCOTTY_DEVICE reference::Vec3 pixel_at(const FilterView& view, std::uint32_t pix
     return view.image[static_cast<std::size_t>(y) * view.width + static_cast<std::size_t>(x)];
 }
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE

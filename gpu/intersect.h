@@ -9,7 +9,7 @@
 #include "reference/intersect_box.h"
 #include "reference/intersect_triangle.h"
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 constexpr std::uint32_t kIntersectWarps = 32;
 constexpr std::uint32_t kLeafChunk = 64;  ///< triangles in shared memory at once
@@ -228,4 +228,4 @@ SCOTTY_KERNEL(intersect)
     }
 }
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -1,9 +1,10 @@
 /// Kernel: level 0. One node, and a queue that need not exist: ray ids are thread ids.
 #pragma once
 
+#include "gpu/dialect.h"
 #include "gpu/intersect.h"
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 /// The root is always an inner node (reference/wide_bvh.h): no search, no leaf.
 template <int Width>
@@ -29,4 +30,4 @@ SCOTTY_KERNEL(intersect_root)
     }
 }
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE

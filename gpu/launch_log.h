@@ -7,9 +7,10 @@
 #include <vector>
 
 #include "gpu/cuda_error.h"
+#include "gpu/dialect.h"
 #include "reference/launch_record.h"
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 class LaunchLog {
  public:
@@ -105,4 +106,4 @@ class LaunchLog {
     std::vector<reference::LaunchRecord> records_;
 };
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -6,7 +6,7 @@
 #include "reference/intersect_triangle.h"
 #include "reference/scene.h"
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 SCOTTY_DEVICE reference::HitCandidate closest_candidate(std::uint32_t ray_id, const HitView& hits) {
     reference::HitCandidate best{reference::kInfinity, reference::kNone};
@@ -49,4 +49,4 @@ SCOTTY_KERNEL(merge_intersections)
     merged[ray_id] = hit;
 }
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -10,6 +10,8 @@
 
 namespace scotty::gpu {
 
+using namespace SCOTTY_DEVICE_NAMESPACE;
+
 namespace {
 
 SCOTTY_KERNEL(run_parity_case)
@@ -77,8 +79,9 @@ std::vector<ParityResult> test_parity(std::uint64_t count) {
                 for (float& x : set.x) x = operand(random);
             }
             device_operands.upload(operands, "operands");
-            run_parity_case<<<kChunk / 256, 256>>>(static_cast<ParityCase>(which), kChunk,
-                                                   device_operands.data(), device_results.data());
+            SCOTTY_LAUNCH(run_parity_case, kChunk / 256, 256, nullptr,
+                          static_cast<ParityCase>(which), kChunk, device_operands.data(),
+                          device_results.data());
             check(cudaGetLastError(), result.name);
             const auto device = download(device_results.data(), kChunk, "results");
             for (std::uint32_t i = 0; i < kChunk; ++i) {

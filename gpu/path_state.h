@@ -7,10 +7,11 @@
 #include <vector>
 
 #include "gpu/device_memory.h"
+#include "gpu/dialect.h"
 #include "gpu/views.h"
 #include "reference/stage_observer.h"
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 struct PathState {
     explicit PathState(MemoryBudget& budget)
@@ -94,4 +95,4 @@ class HostPathState {
     std::vector<std::shared_ptr<void>> kept_;
 };
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE

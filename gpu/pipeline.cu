@@ -3,12 +3,13 @@
 #include <string>
 #include <utility>
 
+#include "gpu/dialect.h"
 #include "gpu/direct_light_rays.h"
 #include "gpu/filter_bilateral.h"
 #include "gpu/filter_gaussian.h"
 #include "gpu/filter_median.h"
 #include "gpu/path_state.h"
-#include "gpu/pipeline.h"
+#include "gpu/pipeline_build.h"
 #include "gpu/primary_rays.h"
 #include "gpu/reconstruct_image.h"
 #include "gpu/resolve_light.h"
@@ -16,7 +17,7 @@
 #include "gpu/traversal.h"
 #include "reference/assert.h"
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 using reference::buffer_view;
 using reference::Filter;
@@ -36,10 +37,6 @@ std::uint32_t blocks_for(std::uint32_t items) { return (items + kThreads - 1) / 
 
 PipelineParameters checked(const PipelineParameters& parameters) {
     reference::validate(parameters);
-    if (!find_device()) {
-        throw reference::Error::missing_environment(
-            "no CUDA device: the driver is not there or shows no device (see scotty doctor)");
-    }
     return parameters;
 }
 
@@ -55,13 +52,11 @@ class Stream {
     cudaStream_t stream_ = nullptr;
 };
 
-}  // namespace
-
-class Pipeline::State {
+class DevicePipeline final : public Pipeline {
  public:
-    State(const reference::Scene& scene, const reference::WideBvh& bvh,
-          const PipelineParameters& parameters, const PipelineOptions& options,
-          reference::StageObserver* observer)
+    DevicePipeline(const reference::Scene& scene, const reference::WideBvh& bvh,
+                   const PipelineParameters& parameters, const PipelineOptions& options,
+                   reference::StageObserver* observer)
         : parameters_(checked(parameters)),
           budget_{options.memory_limit, 0},
           scene_(scene, bvh, budget_),
@@ -75,11 +70,18 @@ class Pipeline::State {
                  parameters.light_samples, parameters.bounces};
     }
 
-    reference::Image render();
-    void trace(std::span<const Ray> rays, TraversalKind kind, std::span<Hit> hits);
-    double time_trace(std::span<const Ray> rays, TraversalKind kind, int repeats);
-    LaunchLog& log() { return log_; }
-    std::size_t device_bytes() const { return budget_.used; }
+    reference::Image render() override;
+    void trace(std::span<const Ray> rays, TraversalKind kind, std::span<Hit> hits) override;
+    double time_trace(std::span<const Ray> rays, TraversalKind kind, int repeats) override;
+    const std::vector<LaunchRecord>& launches() override {
+        log_.resolve_times();
+        return log_.records();
+    }
+    void clear_launches() override {
+        log_.resolve_times();
+        log_.records().clear();
+    }
+    std::size_t device_bytes() const override { return budget_.used; }
 
  private:
     void render_in_batches();
@@ -106,7 +108,7 @@ class Pipeline::State {
     DeviceMemory<Hit> trace_hits_;
 };
 
-reference::Image Pipeline::State::render() {
+reference::Image DevicePipeline::render() {
     for (;;) {
         try {
             render_in_batches();
@@ -126,7 +128,7 @@ reference::Image Pipeline::State::render() {
             download(paths_.image.data(), pixels, "the image")};
 }
 
-void Pipeline::State::render_in_batches() {
+void DevicePipeline::render_in_batches() {
     const std::uint32_t pixels = parameters_.image_width * parameters_.image_height;
     const std::uint32_t samples = std::min(parameters_.spp, parameters_.batch_rays);
     const std::uint32_t pixels_at_once =
@@ -155,7 +157,7 @@ void Pipeline::State::render_in_batches() {
     check(cudaStreamSynchronize(stream_.get()), "rendering");
 }
 
-void Pipeline::State::shade_vertex(StagePlace place) {
+void DevicePipeline::shade_vertex(StagePlace place) {
     const TraversalKind query = parameters_.shadow_query == reference::ShadowQuery::any
                                     ? TraversalKind::any
                                     : TraversalKind::closest;
@@ -174,57 +176,57 @@ void Pipeline::State::shade_vertex(StagePlace place) {
                    paths_.path_hits.data());
 }
 
-void Pipeline::State::launch_primary_rays(const StagePlace& place, const BatchView& batch) {
+void DevicePipeline::launch_primary_rays(const StagePlace& place, const BatchView& batch) {
     log_.run(StageKind::primary_rays, place, blocks_for(batch.pixels), paths_.count(),
              stream_.get(), [&] {
-                 primary_rays<<<blocks_for(batch.pixels), kThreads, 0, stream_.get()>>>(
-                     batch, scene_.view().camera, path_, paths_.view());
+                 SCOTTY_LAUNCH(primary_rays, blocks_for(batch.pixels), kThreads, stream_.get(),
+                               batch, scene_.view().camera, path_, paths_.view());
              });
     show(StageKind::primary_rays, place, batch.pixels, {},
          {"rays", "throughput", "radiance", "potential", "pixel", "sample", "depth", "flags"});
 }
 
-void Pipeline::State::launch_direct_light(const StagePlace& place) {
+void DevicePipeline::launch_direct_light(const StagePlace& place) {
     const std::uint32_t count = paths_.count();
     log_.run(StageKind::direct_light_rays, place, blocks_for(count), count, stream_.get(), [&] {
-        direct_light_rays<<<blocks_for(count), kThreads, 0, stream_.get()>>>(
-            count, scene_.view(), path_, place.bounce, place.light, paths_.view(),
-            paths_.path_hits.data(), paths_.shadow_rays.data());
+        SCOTTY_LAUNCH(direct_light_rays, blocks_for(count), kThreads, stream_.get(), count,
+                      scene_.view(), path_, place.bounce, place.light, paths_.view(),
+                      paths_.path_hits.data(), paths_.shadow_rays.data());
     });
     show(StageKind::direct_light_rays, place, count, {"rays", "path_hits", "throughput", "flags"},
          {"shadow_rays", "potential"});
 }
 
-void Pipeline::State::launch_resolve_light(const StagePlace& place) {
+void DevicePipeline::launch_resolve_light(const StagePlace& place) {
     const std::uint32_t count = paths_.count();
     log_.run(StageKind::resolve_light, place, blocks_for(count), count, stream_.get(), [&] {
-        resolve_light<<<blocks_for(count), kThreads, 0, stream_.get()>>>(
-            count, paths_.shadow_rays.data(), paths_.shadow_hits.data(), paths_.view());
+        SCOTTY_LAUNCH(resolve_light, blocks_for(count), kThreads, stream_.get(), count,
+                      paths_.shadow_rays.data(), paths_.shadow_hits.data(), paths_.view());
     });
     show(StageKind::resolve_light, place, count, {"shadow_rays", "shadow_hits", "potential"},
          {"radiance"});
 }
 
-void Pipeline::State::launch_scene_rays(const StagePlace& place) {
+void DevicePipeline::launch_scene_rays(const StagePlace& place) {
     const std::uint32_t count = paths_.count();
     log_.run(StageKind::scene_rays, place, blocks_for(count), count, stream_.get(), [&] {
-        scene_rays<<<blocks_for(count), kThreads, 0, stream_.get()>>>(
-            count, scene_.view(), path_, place.bounce, paths_.path_hits.data(), paths_.view());
+        SCOTTY_LAUNCH(scene_rays, blocks_for(count), kThreads, stream_.get(), count, scene_.view(),
+                      path_, place.bounce, paths_.path_hits.data(), paths_.view());
     });
     show(StageKind::scene_rays, place, count, {"path_hits"},
          {"rays", "throughput", "radiance", "flags", "depth"});
 }
 
-void Pipeline::State::launch_reconstruct(const StagePlace& place, const BatchView& batch) {
+void DevicePipeline::launch_reconstruct(const StagePlace& place, const BatchView& batch) {
     log_.run(StageKind::reconstruct_image, place, blocks_for(batch.pixels), paths_.count(),
              stream_.get(), [&] {
-                 reconstruct_image<<<blocks_for(batch.pixels), kThreads, 0, stream_.get()>>>(
-                     batch, parameters_.spp, paths_.radiance.data(), paths_.image.data());
+                 SCOTTY_LAUNCH(reconstruct_image, blocks_for(batch.pixels), kThreads, stream_.get(),
+                               batch, parameters_.spp, paths_.radiance.data(), paths_.image.data());
              });
     show(StageKind::reconstruct_image, place, batch.pixels, {"radiance", "pixel"}, {"image"});
 }
 
-void Pipeline::State::launch_filter() {
+void DevicePipeline::launch_filter() {
     const auto pixels = static_cast<std::uint32_t>(paths_.image.size());
     paths_.filtered.resize(pixels, "the filtered image");
     const FilterView view{parameters_.image_width, parameters_.image_height, paths_.image.data(),
@@ -232,13 +234,13 @@ void Pipeline::State::launch_filter() {
     log_.run(StageKind::filter, {}, blocks_for(pixels), pixels, stream_.get(), [&] {
         switch (parameters_.filter) {
             case Filter::gaussian:
-                filter_gaussian<<<blocks_for(pixels), kThreads, 0, stream_.get()>>>(view);
+                SCOTTY_LAUNCH(filter_gaussian, blocks_for(pixels), kThreads, stream_.get(), view);
                 break;
             case Filter::bilateral:
-                filter_bilateral<<<blocks_for(pixels), kThreads, 0, stream_.get()>>>(view);
+                SCOTTY_LAUNCH(filter_bilateral, blocks_for(pixels), kThreads, stream_.get(), view);
                 break;
             default:
-                filter_median<<<blocks_for(pixels), kThreads, 0, stream_.get()>>>(view);
+                SCOTTY_LAUNCH(filter_median, blocks_for(pixels), kThreads, stream_.get(), view);
                 break;
         }
     });
@@ -246,9 +248,9 @@ void Pipeline::State::launch_filter() {
     swap(paths_.image, paths_.filtered);
 }
 
-void Pipeline::State::show(StageKind kind, const StagePlace& place, std::uint32_t threads,
-                           std::initializer_list<const char*> inputs,
-                           std::initializer_list<const char*> outputs) {
+void DevicePipeline::show(StageKind kind, const StagePlace& place, std::uint32_t threads,
+                          std::initializer_list<const char*> inputs,
+                          std::initializer_list<const char*> outputs) {
     if (!log_.wants(kind)) return;
     StageView stage = log_.stage(kind, place, blocks_for(threads), kThreads);
     if (kind == StageKind::filter) {
@@ -260,7 +262,7 @@ void Pipeline::State::show(StageKind kind, const StagePlace& place, std::uint32_
     log_.show(stage);
 }
 
-void Pipeline::State::trace(std::span<const Ray> rays, TraversalKind kind, std::span<Hit> hits) {
+void DevicePipeline::trace(std::span<const Ray> rays, TraversalKind kind, std::span<Hit> hits) {
     SCOTTY_ASSERT(rays.size(), ==, hits.size());
     StagePlace place;
     place.several_batches = rays.size() > parameters_.batch_rays;
@@ -278,7 +280,7 @@ void Pipeline::State::trace(std::span<const Ray> rays, TraversalKind kind, std::
     }
 }
 
-double Pipeline::State::time_trace(std::span<const Ray> rays, TraversalKind kind, int repeats) {
+double DevicePipeline::time_trace(std::span<const Ray> rays, TraversalKind kind, int repeats) {
     trace_rays_.upload(rays, "rays");
     trace_hits_.resize(rays.size(), "hits");
     const auto count = static_cast<std::uint32_t>(rays.size());
@@ -308,27 +310,14 @@ double Pipeline::State::time_trace(std::span<const Ray> rays, TraversalKind kind
     return seconds[seconds.size() / 2];
 }
 
-Pipeline::Pipeline(const reference::Scene& scene, const reference::WideBvh& bvh,
-                   const PipelineParameters& parameters, const PipelineOptions& options,
-                   reference::StageObserver* observer)
-    : state_(std::make_unique<State>(scene, bvh, parameters, options, observer)) {}
-Pipeline::~Pipeline() = default;
+}  // namespace
 
-reference::Image Pipeline::render() { return state_->render(); }
-void Pipeline::trace(std::span<const Ray> rays, TraversalKind kind, std::span<Hit> hits) {
-    state_->trace(rays, kind, hits);
+std::unique_ptr<Pipeline> make_pipeline(const reference::Scene& scene,
+                                        const reference::WideBvh& bvh,
+                                        const PipelineParameters& parameters,
+                                        const PipelineOptions& options,
+                                        reference::StageObserver* observer) {
+    return std::make_unique<DevicePipeline>(scene, bvh, parameters, options, observer);
 }
-double Pipeline::time_trace(std::span<const Ray> rays, TraversalKind kind, int repeats) {
-    return state_->time_trace(rays, kind, repeats);
-}
-const std::vector<LaunchRecord>& Pipeline::launches() const {
-    state_->log().resolve_times();
-    return state_->log().records();
-}
-void Pipeline::clear_launches() {
-    state_->log().resolve_times();
-    state_->log().records().clear();
-}
-std::size_t Pipeline::device_bytes() const { return state_->device_bytes(); }
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -11,6 +11,7 @@
 
 #include "reference/image.h"
 #include "reference/launch_record.h"
+#include "reference/owned_buffer.h"
 #include "reference/pipeline_parameters.h"
 #include "reference/scene.h"
 #include "reference/stage_observer.h"
@@ -39,33 +40,46 @@ struct PipelineOptions {
     std::size_t memory_limit = 0;  ///< bytes of device memory to stay within; 0: what there is
 };
 
-/// Scene and BVH are copied to the device at construction. bvh.width == parameters.width.
-/// Throws missing_environment without a device; when device memory runs out, batches are halved
-/// and the render starts again, with the same bits.
+/// The pipeline on one device.
 class Pipeline {
  public:
-    Pipeline(const reference::Scene& scene, const reference::WideBvh& bvh,
-             const reference::PipelineParameters& parameters, const PipelineOptions& options = {},
-             reference::StageObserver* observer = nullptr);
-    ~Pipeline();
+    Pipeline() = default;
+    Pipeline(const Pipeline&) = delete;
+    Pipeline& operator=(const Pipeline&) = delete;
+    virtual ~Pipeline() = default;
 
-    reference::Image render();
+    virtual reference::Image render() = 0;
 
     /// As emulation::Pipeline::trace.
-    void trace(std::span<const reference::Ray> rays, TraversalKind kind,
-               std::span<reference::Hit> hits);
+    virtual void trace(std::span<const reference::Ray> rays, TraversalKind kind,
+                       std::span<reference::Hit> hits) = 0;
 
     /// Median seconds on the device (events) of one traversal and merge of `rays`, which must fit
     /// one batch; after two warm-up rounds. Copies are not counted.
-    double time_trace(std::span<const reference::Ray> rays, TraversalKind kind, int repeats);
+    virtual double time_trace(std::span<const reference::Ray> rays, TraversalKind kind,
+                              int repeats) = 0;
 
-    const std::vector<LaunchRecord>& launches() const;
-    void clear_launches();
-    std::size_t device_bytes() const;
-
- private:
-    class State;
-    std::unique_ptr<State> state_;
+    /// What has been launched so far; waits for the device where launches are timed.
+    virtual const std::vector<LaunchRecord>& launches() = 0;
+    virtual void clear_launches() = 0;
+    virtual std::size_t device_bytes() const = 0;
 };
+
+/// Scene and BVH are copied to the device. bvh.width == parameters.width. The kernels are those of
+/// parameters.arithmetic.
+///
+/// Throws missing_environment without a device; when device memory runs out, batches are halved
+/// and the render starts again, with the same bits.
+std::unique_ptr<Pipeline> make_pipeline(const reference::Scene& scene,
+                                        const reference::WideBvh& bvh,
+                                        const reference::PipelineParameters& parameters,
+                                        const PipelineOptions& options = {},
+                                        reference::StageObserver* observer = nullptr);
+
+/// One stage alone, on the device: as emulation::run_stage, of which it is the twin.
+std::vector<reference::OwnedBuffer> run_stage(const reference::Scene& scene,
+                                              const reference::WideBvh& bvh,
+                                              const reference::PipelineParameters& parameters,
+                                              const reference::StageView& stage);
 
 }  // namespace scotty::gpu

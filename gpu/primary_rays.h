@@ -5,7 +5,7 @@
 #include "gpu/views.h"
 #include "reference/path.h"
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 SCOTTY_KERNEL(primary_rays)
 (BatchView batch, reference::Camera camera, reference::PathParameters parameters, PathView paths) {
@@ -26,4 +26,4 @@ SCOTTY_KERNEL(primary_rays)
     }
 }
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -4,11 +4,12 @@
 #include "gpu/dialect.h"
 #include "gpu/views.h"
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 SCOTTY_KERNEL(publish_minimum)(std::uint32_t count, const float* lowered, float* minimum) {
     const std::uint32_t ray_id = block_index() * block_size() + thread_index();
-    if (ray_id < count) minimum[ray_id] = lowered[ray_id];
+    if (ray_id >= count) SCOTTY_RETURN;
+    minimum[ray_id] = lowered[ray_id];
 }
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE

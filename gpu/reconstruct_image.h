@@ -4,7 +4,7 @@
 #include "gpu/dialect.h"
 #include "gpu/views.h"
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 SCOTTY_KERNEL(reconstruct_image)
 (BatchView batch, std::uint32_t total_samples, const reference::Vec3* radiance,
@@ -23,4 +23,4 @@ SCOTTY_KERNEL(reconstruct_image)
     image[pixel] = sum;
 }
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -4,7 +4,7 @@
 #include "gpu/dialect.h"
 #include "gpu/views.h"
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 SCOTTY_KERNEL(resolve_light)
 (std::uint32_t count, const reference::Ray* shadow_rays, const reference::Hit* shadow_hits,
@@ -16,4 +16,4 @@ SCOTTY_KERNEL(resolve_light)
     }
 }
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE

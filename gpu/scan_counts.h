@@ -5,7 +5,7 @@
 #include "gpu/dialect.h"
 #include "gpu/views.h"
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 constexpr std::uint32_t kScanThreads = 1024;
 
@@ -37,4 +37,4 @@ SCOTTY_KERNEL(scan_counts)(LevelView level, std::uint32_t rays_per_block) {
     }
 }
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -5,7 +5,7 @@
 #include "gpu/views.h"
 #include "reference/path.h"
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 SCOTTY_KERNEL(scene_rays)
 (std::uint32_t count, reference::SceneView scene, reference::PathParameters parameters,
@@ -24,4 +24,4 @@ SCOTTY_KERNEL(scene_rays)
     if ((next.flags & reference::kPathAlive) != 0) ++paths.depth[ray_id];
 }
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "gpu/clear_traversal.h"
+#include "gpu/dialect.h"
 #include "gpu/intersect.h"
 #include "gpu/intersect_root.h"
 #include "gpu/merge_intersections.h"
@@ -10,7 +11,7 @@
 #include "gpu/scan_counts.h"
 #include "gpu/traversal.h"
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 using reference::EarlyOut;
 using reference::HitMode;
@@ -137,17 +138,17 @@ void Traversal::clear(const StagePlace& place) {
     check(cudaMemsetAsync(faults_.data(), 0, sizeof(FaultView), stream_), "clearing fault flags");
     check(cudaMemcpyAsync(node_counts_.data(), &count_, 4, cudaMemcpyHostToDevice, stream_),
           "setting the root's queue length");
-    clear_traversal<<<item_blocks(count_), kItemThreads, 0, stream_>>>(
-        count_, rays_, hit_view(), culls() ? minimum_.data() : nullptr,
-        parameters_.early_out == EarlyOut::level ? lowered_.data() : nullptr);
+    SCOTTY_LAUNCH(clear_traversal, item_blocks(count_), kItemThreads, stream_, count_, rays_,
+                  hit_view(), culls() ? minimum_.data() : nullptr,
+                  parameters_.early_out == EarlyOut::level ? lowered_.data() : nullptr);
     check(cudaGetLastError(), "clearing before " + place.name(StageKind::merge_intersections));
 }
 
 void Traversal::launch_level(const StagePlace& place) {
     const LevelView level = level_view(place.level);
     log_.run(StageKind::scan_counts, place, 2, level.node_count, stream_, [&] {
-        scan_counts<<<2, kScanThreads, 0, stream_>>>(
-            level, static_cast<std::uint32_t>(parameters_.rays_per_block));
+        SCOTTY_LAUNCH(scan_counts, 2, kScanThreads, stream_, level,
+                      static_cast<std::uint32_t>(parameters_.rays_per_block));
     });
     if (log_.wants(StageKind::scan_counts)) show_scan(place, level);
     const StageKind kind = place.level == 0 ? StageKind::intersect_root : StageKind::intersect;
@@ -175,27 +176,27 @@ void Traversal::launch_intersect(const StagePlace& place, const LevelView& level
     const auto threads = static_cast<std::uint32_t>(parameters_.rays_per_block);
     if (place.level == 0) {
         const std::uint32_t blocks = (count_ + threads - 1) / threads;
-        intersect_root<Width><<<std::min(blocks, resident_blocks_), threads, 0, stream_>>>(
-            scene_.bvh<Width>(), rays_, count_, level, minimum_view());
+        SCOTTY_LAUNCH(intersect_root<Width>, std::min(blocks, resident_blocks_), threads, stream_,
+                      scene_.bvh<Width>(), rays_, count_, level, minimum_view());
     } else {
         const bool strided = parameters_.block_order == reference::BlockOrder::strided;
-        intersect<Width><<<resident_blocks_, threads, 0, stream_>>>(
-            scene_.bvh<Width>(), rays_, level, hit_view(), minimum_view(), strided);
+        SCOTTY_LAUNCH(intersect<Width>, resident_blocks_, threads, stream_, scene_.bvh<Width>(),
+                      rays_, level, hit_view(), minimum_view(), strided);
     }
 }
 
 void Traversal::launch_publish(const StagePlace& place) {
     log_.run(StageKind::publish_minimum, place, item_blocks(count_), count_, stream_, [&] {
-        publish_minimum<<<item_blocks(count_), kItemThreads, 0, stream_>>>(count_, lowered_.data(),
-                                                                           minimum_.data());
+        SCOTTY_LAUNCH(publish_minimum, item_blocks(count_), kItemThreads, stream_, count_,
+                      lowered_.data(), minimum_.data());
     });
     if (log_.wants(StageKind::publish_minimum)) show_publish(place);
 }
 
 void Traversal::launch_merge(const StagePlace& place, reference::Hit* merged) {
     log_.run(StageKind::merge_intersections, place, item_blocks(count_), count_, stream_, [&] {
-        merge_intersections<<<item_blocks(count_), kItemThreads, 0, stream_>>>(
-            count_, scene_.view(), rays_, hit_view(), merged);
+        SCOTTY_LAUNCH(merge_intersections, item_blocks(count_), kItemThreads, stream_, count_,
+                      scene_.view(), rays_, hit_view(), merged);
     });
     if (log_.wants(StageKind::merge_intersections)) show_merge(place, merged);
 }
@@ -262,4 +263,4 @@ MinimumView Traversal::minimum_view() const {
             parameters_.early_out == EarlyOut::level ? lowered_.data() : minimum_.data()};
 }
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -11,11 +11,12 @@
 
 #include "gpu/device_memory.h"
 #include "gpu/device_scene.h"
+#include "gpu/dialect.h"
 #include "gpu/launch_log.h"
 #include "gpu/views.h"
 #include "reference/pipeline_parameters.h"
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 class Traversal {
  public:
@@ -77,4 +78,4 @@ class Traversal {
     DeviceMemory<FaultView> faults_;
 };
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE

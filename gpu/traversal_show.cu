@@ -3,9 +3,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "gpu/dialect.h"
 #include "gpu/traversal.h"
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 using reference::buffer_view;
 using reference::EarlyOut;
@@ -144,4 +145,4 @@ void Traversal::show_merge(const StagePlace& place, const reference::Hit* merged
     log_.show(stage);
 }
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE

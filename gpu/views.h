@@ -3,10 +3,11 @@
 
 #include <cstdint>
 
+#include "gpu/dialect.h"
 #include "reference/pipeline_parameters.h"
 #include "reference/records.h"
 
-namespace scotty::gpu {
+namespace SCOTTY_DEVICE_NAMESPACE {
 
 constexpr float kDone = -1.0f;  ///< minimum of a ray with its any-hit answer
 constexpr std::uint64_t kNoPackedHit = ~std::uint64_t{0};
@@ -85,4 +86,4 @@ struct FilterView {
     reference::Vec3* filtered;
 };
 
-}  // namespace scotty::gpu
+}  // namespace SCOTTY_DEVICE_NAMESPACE

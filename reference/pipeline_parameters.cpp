@@ -33,6 +33,8 @@ constexpr std::array kShadowQueryWords{Word<ShadowQuery>{ShadowQuery::any, "any"
 constexpr std::array kFilterWords{
     Word<Filter>{Filter::none, "none"}, Word<Filter>{Filter::gaussian, "gaussian"},
     Word<Filter>{Filter::bilateral, "bilateral"}, Word<Filter>{Filter::median, "median"}};
+constexpr std::array kArithmeticWords{Word<Arithmetic>{Arithmetic::exact, "exact"},
+                                      Word<Arithmetic>{Arithmetic::fast, "fast"}};
 
 template <class Enum, std::size_t Count>
 const char* word_of(const std::array<Word<Enum>, Count>& words, Enum value) {
@@ -103,6 +105,7 @@ const char* to_string(BlockOrder value) { return word_of(kBlockOrderWords, value
 const char* to_string(HitMode value) { return word_of(kHitModeWords, value); }
 const char* to_string(ShadowQuery value) { return word_of(kShadowQueryWords, value); }
 const char* to_string(Filter value) { return word_of(kFilterWords, value); }
+const char* to_string(Arithmetic value) { return word_of(kArithmeticWords, value); }
 
 EarlyOut parse_early_out(const std::string& word) {
     return value_of(kEarlyOutWords, "early-out", word);
@@ -117,5 +120,8 @@ ShadowQuery parse_shadow_query(const std::string& word) {
     return value_of(kShadowQueryWords, "shadow query", word);
 }
 Filter parse_filter(const std::string& word) { return value_of(kFilterWords, "filter", word); }
+Arithmetic parse_arithmetic(const std::string& word) {
+    return value_of(kArithmeticWords, "arithmetic", word);
+}
 
 }  // namespace scotty::reference

@@ -31,6 +31,12 @@ enum class ShadowQuery {
     closest  ///< the report's: a closest-hit traversal up to the light
 };
 
+/// Which arithmetic the kernels are compiled to.
+enum class Arithmetic {
+    exact,  ///< IEEE operations only, no contraction: the same bits everywhere
+    fast    ///< the device's approximate division and square root, and contraction; CUDA only
+};
+
 enum class Filter { none, gaussian, bilateral, median };
 
 struct PipelineParameters {
@@ -55,6 +61,8 @@ struct PipelineParameters {
 
     Filter filter = Filter::none;
     std::uint32_t filter_threshold = 32;  ///< a filter is applied only below so many spp (report)
+
+    Arithmetic arithmetic = Arithmetic::exact;
 };
 
 /// Throws bad_input naming the parameter, its value and what is allowed. Also refuses an image
@@ -66,11 +74,13 @@ const char* to_string(BlockOrder value);
 const char* to_string(HitMode value);
 const char* to_string(ShadowQuery value);
 const char* to_string(Filter value);
+const char* to_string(Arithmetic value);
 /// Inverse of to_string; throws bad_input naming the valid words.
 EarlyOut parse_early_out(const std::string& word);
 BlockOrder parse_block_order(const std::string& word);
 HitMode parse_hit_mode(const std::string& word);
 ShadowQuery parse_shadow_query(const std::string& word);
 Filter parse_filter(const std::string& word);
+Arithmetic parse_arithmetic(const std::string& word);
 
 }  // namespace scotty::reference

@@ -45,6 +45,7 @@ void for_each_parameter(Parameters& p, Visit&& visit) {
     visit("batch_rays", p.batch_rays);
     visit("filter", p.filter);
     visit("filter_threshold", p.filter_threshold);
+    visit("arithmetic", p.arithmetic);
 }
 
 void parse_word(const std::string& word, reference::EarlyOut& value) {
@@ -61,6 +62,9 @@ void parse_word(const std::string& word, reference::ShadowQuery& value) {
 }
 void parse_word(const std::string& word, reference::Filter& value) {
     value = reference::parse_filter(word);
+}
+void parse_word(const std::string& word, reference::Arithmetic& value) {
+    value = reference::parse_arithmetic(word);
 }
 
 /// Reads parameters and remembers which members were used.

@@ -49,7 +49,8 @@ class ShownObserver : public reference::StageObserver {
 
 int run_capture(const CaptureOptions& options) {
     reference::validate(options.parameters);
-    const Backend backend = backend_named(options.backend, {.threads = options.threads});
+    const Backend backend = backend_named(options.backend, options.threads);
+    expect_arithmetic(backend, options.parameters);
     std::optional<tbb::global_control> limit;
     if (options.threads != 0) {
         limit.emplace(tbb::global_control::max_allowed_parallelism, options.threads);
@@ -70,7 +71,7 @@ int run_capture(const CaptureOptions& options) {
     write_pipeline_input(writer.input_folder(), input.scene, input.bvh, input.parameters);
     if (!options.input_only) {
         ShownObserver shown(progress, writer);
-        backend.render(input, shown);
+        backend.render(input, &shown);
         if (writer.stage_count() == 0) {
             throw reference::Error::bad_input(
                 "--stages",
@@ -109,7 +110,7 @@ void add_capture_command(CLI::App& app, Action& action) {
         ->type_name("PATTERN");
     command->add_flag("--input-only", options->input_only,
                       "run nothing: write scene, BVH and parameters");
-    command->add_option("--backend", options->backend, "who runs the pipeline")
+    command->add_option("--backend", options->backend, "emulator or cuda: who runs the pipeline")
         ->capture_default_str();
     command
         ->add_option_function<std::string>(
@@ -126,6 +127,7 @@ void add_capture_command(CLI::App& app, Action& action) {
     add_thread_option(*command, options->threads);
     add_picture_options(*command, options->parameters);
     add_pipeline_options(*command, options->parameters);
+    add_arithmetic_option(*command, options->parameters);
     command->callback([&action, options] { action = [options] { return run_capture(*options); }; });
 }
 

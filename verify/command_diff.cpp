@@ -20,6 +20,7 @@ struct DiffCommand {
     std::string backend;
     std::vector<std::string> stages;
     bool isolated = false;
+    reference::Arithmetic arithmetic = reference::Arithmetic::exact;
     bool json = false;
     std::size_t threads = 0;
 };
@@ -36,8 +37,12 @@ DiffReport compare(const DiffCommand& options) {
         }
         return diff_captures(a, Capture::open(options.b), std::move(diff));
     }
-    const Backend backend = backend_named(options.backend.empty() ? "emulator" : options.backend,
-                                          {.threads = options.threads});
+    const Backend backend =
+        backend_named(options.backend.empty() ? "emulator" : options.backend, options.threads);
+    reference::PipelineParameters b;
+    b.arithmetic = options.arithmetic;
+    expect_arithmetic(backend, b);
+    diff.b_arithmetic = options.arithmetic;
     return options.isolated ? diff_isolated(a, backend, std::move(diff))
                             : diff_with_run(a, backend, std::move(diff));
 }
@@ -71,8 +76,17 @@ void add_diff_command(CLI::App& app, Action& action) {
     auto options = std::make_shared<DiffCommand>();
     command->add_option("a", options->a, "a capture: what is expected")->required();
     command->add_option("b", options->b, "another capture; none: --backend runs");
-    command->add_option("--backend", options->backend, "who runs the pipeline [emulator]");
+    command->add_option("--backend", options->backend,
+                        "emulator or cuda: who runs the pipeline [emulator]");
     command->add_flag("--isolated", options->isolated, "each stage alone, on A's inputs");
+    command
+        ->add_option_function<std::string>(
+            "--arithmetic",
+            [options](const std::string& word) {
+                options->arithmetic = reference::parse_arithmetic(word);
+            },
+            "fast: what runs computes approximately, and is held to tolerances [exact]")
+        ->type_name("exact|fast");
     command->add_option("--stages", options->stages, "only stages of such names [all]")
         ->type_name("PATTERN");
     command->add_flag("--json", options->json, "the result as JSON");

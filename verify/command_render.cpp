@@ -6,13 +6,14 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <utility>
 
-#include "emulation/pipeline.h"
 #include "reference/embree_renderer.h"
 #include "reference/error.h"
 #include "reference/tracers.h"
 #include "reference/wide_bvh.h"
 #include "scenes/scenes.h"
+#include "verify/backend.h"
 #include "verify/command.h"
 #include "verify/image_file.h"
 #include "verify/options.h"
@@ -56,7 +57,7 @@ class ProgressObserver : public reference::StageObserver {
     std::uint64_t batches_;
 };
 
-Image render(const RenderOptions& options, const reference::Scene& scene) {
+Image render(const RenderOptions& options, reference::Scene scene) {
     Progress progress;
     if (options.backend == "embree") {
         const reference::EmbreeTracer tracer(scene);
@@ -64,22 +65,26 @@ Image render(const RenderOptions& options, const reference::Scene& scene) {
         return render_with_embree(scene, options.parameters, tracer, options.threads);
     }
     progress.show("building the BVH");
-    const reference::WideBvh bvh = build_wide_bvh(
+    const Backend backend = backend_named(options.backend, options.threads);
+    reference::WideBvh bvh = build_wide_bvh(
         scene, {options.parameters.width, options.parameters.max_leaf_size, options.threads});
+    const PipelineInput input{std::move(scene), std::move(bvh), options.parameters};
     ProgressObserver observer(progress, options.parameters);
-    emulation::Pipeline pipeline(scene, bvh, options.parameters, {options.threads}, &observer);
-    return pipeline.render();
+    return backend.render(input, &observer);
 }
 
 int run_render(const RenderOptions& options) {
     const auto start = std::chrono::steady_clock::now();
     reference::validate(options.parameters);
     check_image_path(options.output);
+    if (options.backend != "embree") {
+        expect_arithmetic(backend_named(options.backend, options.threads), options.parameters);
+    }
     std::optional<tbb::global_control> limit;
     if (options.threads != 0) {
         limit.emplace(tbb::global_control::max_allowed_parallelism, options.threads);
     }
-    const reference::Scene scene = scenes::load_scene(options.scene);
+    reference::Scene scene = scenes::load_scene(options.scene);
     for (const std::string& warning : scene.warnings) spdlog::warn("{}", warning);
     const bool filtered = options.parameters.filter != reference::Filter::none;
     if (filtered && options.backend == "embree") {
@@ -91,11 +96,11 @@ int run_render(const RenderOptions& options) {
             to_string(options.parameters.filter), options.parameters.spp,
             options.parameters.filter_threshold);
     }
-    const Image image = render(options, scene);
+    const std::size_t triangles = scene.triangles.size();
+    const Image image = render(options, std::move(scene));
     write_image(image, options.output, options.exposure);
     spdlog::info("{}: {} triangles, {}x{} pixels, {} samples, {}, {:.1f} s", options.output,
-                 scene.triangles.size(), image.width, image.height, options.parameters.spp,
-                 options.backend,
+                 triangles, image.width, image.height, options.parameters.spp, options.backend,
                  std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     return kExitPassed;
 }
@@ -116,7 +121,7 @@ void add_render_command(CLI::App& app, Action& action) {
     command->add_option("-o,--output", options->output, "the .exr or .png file to write")
         ->required();
     command->add_option("--backend", options->backend, "who traces the rays")
-        ->check(CLI::IsMember({"emulator", "embree"}))
+        ->check(CLI::IsMember({"emulator", "embree", "cuda"}))
         ->capture_default_str();
     command->add_option("--exposure", options->exposure, "PNG: brightness in powers of two")
         ->check(CLI::Range(-64.0f, 64.0f))
@@ -136,6 +141,7 @@ void add_render_command(CLI::App& app, Action& action) {
     add_thread_option(*command, options->threads);
     add_picture_options(*command, options->parameters);
     add_pipeline_options(*command, options->parameters);
+    add_arithmetic_option(*command, options->parameters);
     command->callback([&action, options] { action = [options] { return run_render(*options); }; });
 }
 

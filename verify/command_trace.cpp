@@ -7,10 +7,10 @@
 #include <memory>
 #include <optional>
 
-#include "emulation/pipeline.h"
 #include "reference/error.h"
 #include "reference/tracers.h"
 #include "scenes/scenes.h"
+#include "verify/backend.h"
 #include "verify/command.h"
 #include "verify/options.h"
 #include "verify/progress.h"
@@ -52,17 +52,21 @@ std::vector<HitCandidate> trace_with_embree(const Scene& scene, const RayFile& r
     return out;
 }
 
-std::vector<HitCandidate> trace_with_emulator(const TraceOptions& options, const Scene& scene,
+std::vector<HitCandidate> trace_with_pipeline(const TraceOptions& options, const Scene& scene,
                                               const RayFile& rays, Progress& progress) {
+    const Backend backend = backend_named(options.backend, options.threads);
+    expect_arithmetic(backend, options.parameters);
     progress.show("building the BVH");
-    const reference::WideBvh bvh = build_wide_bvh(
-        scene, {options.parameters.width, options.parameters.max_leaf_size, options.threads});
+    const PipelineInput input{
+        scene,
+        build_wide_bvh(
+            scene, {options.parameters.width, options.parameters.max_leaf_size, options.threads}),
+        options.parameters};
     progress.show("tracing");
-    emulation::Pipeline pipeline(scene, bvh, options.parameters, {.threads = options.threads});
     std::vector<Hit> hits(rays.rays.size());
-    pipeline.trace(rays.rays,
-                   rays.any_hit ? reference::TraversalKind::any : reference::TraversalKind::closest,
-                   hits);
+    backend.trace(input, rays.rays,
+                  rays.any_hit ? reference::TraversalKind::any : reference::TraversalKind::closest,
+                  hits);
     std::vector<HitCandidate> out(hits.size());
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = hit_record(hits[i], rays.any_hit);
     return out;
@@ -87,7 +91,7 @@ int run_trace(const TraceOptions& options) {
     const auto start = std::chrono::steady_clock::now();
     const std::vector<HitCandidate> hits =
         options.backend == "embree" ? trace_with_embree(scene, rays)
-                                    : trace_with_emulator(options, scene, rays, progress);
+                                    : trace_with_pipeline(options, scene, rays, progress);
     const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
     if (!options.output.empty()) write_hits(options.output, hits);
     spdlog::info("{}: {} {} rays in {:.2f} s, building included ({})", options.rays,
@@ -121,7 +125,7 @@ void add_trace_command(CLI::App& app, Action& action) {
     command->add_option("--rays", options->rays, "the .ray file")->required();
     command->add_option("-o,--output", options->output, "the file of hits to write");
     command->add_option("--backend", options->backend, "who traces")
-        ->check(CLI::IsMember({"emulator", "embree"}))
+        ->check(CLI::IsMember({"emulator", "embree", "cuda"}))
         ->capture_default_str();
     command->add_flag("--any", options->any_hit, "ask only whether something is hit");
     command->add_option("--compare", options->reference, "a .ref file to hold the hits against");
@@ -131,6 +135,7 @@ void add_trace_command(CLI::App& app, Action& action) {
         ->group("Pipeline");
     add_thread_option(*command, options->threads);
     add_pipeline_options(*command, options->parameters);
+    add_arithmetic_option(*command, options->parameters);
     command->callback([&action, options] { action = [options] { return run_trace(*options); }; });
 }
 

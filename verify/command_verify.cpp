@@ -10,6 +10,7 @@
 
 #include "reference/error.h"
 #include "scenes/scenes.h"
+#include "verify/backend.h"
 #include "verify/command.h"
 #include "verify/options.h"
 #include "verify/progress.h"
@@ -57,6 +58,7 @@ int run_verify(VerifyOptions& options) {
         return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     };
     // Everything that can be wrong with the command line, before minutes of work.
+    backend_named(options.settings.backend, options.settings.threads);
     reference::validate(options.settings.parameters);
     configurations(options.settings.parameters, options.settings.filter);
     if (options.scenes.empty()) {
@@ -70,6 +72,7 @@ int run_verify(VerifyOptions& options) {
     report.threads = options.settings.threads != 0
                          ? options.settings.threads
                          : static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+    report.backend = options.settings.backend;
     report.command = options.command_line;
     for (std::size_t i = 0; i < loaded.size(); ++i) {
         for (const std::string& warning : loaded[i].warnings) {
@@ -117,6 +120,8 @@ void add_verify_command(CLI::App& app, Action& action, const std::string& comman
         "      --block-order linear --shadow-query any --hit-capacity 8 --batch-rays 262144 \\\n"
         "      --schedule serial --stage 'bounce0/level2/*'\n"
         "                                               one configuration, some of its stages\n"
+        "  scotty verify --backend cuda                 the CUDA pipeline, against the emulator "
+        "too\n"
         "  scotty verify --json - | jq .passed\n\n"
         "Checked are invariants after every launch; the hits of every traversal against brute\n"
         "force (bit for bit) and Embree (differences adjudicated); every configuration against "
@@ -127,6 +132,11 @@ void add_verify_command(CLI::App& app, Action& action, const std::string& comman
     options->settings.parameters = default_verify_parameters();
     command->add_option("scenes", options->scenes,
                         "built-in scenes (scotty list) or files; all built-in ones by default");
+    command
+        ->add_option("--backend", options->settings.backend,
+                     "emulator or cuda: whose runs are verified; all but the emulator's are "
+                     "compared with it, launch by launch, too")
+        ->capture_default_str();
     command->add_option("--json", options->json, "write the report as JSON; - is standard output")
         ->type_name("FILE");
     command->add_option("--junit", options->junit, "write the report as JUnit XML")

@@ -11,6 +11,7 @@
 #include "verify/failure.h"
 #include "verify/invariants.h"
 #include "verify/pipeline_input.h"
+#include "verify/tolerance.h"
 
 namespace scotty::verify {
 
@@ -91,6 +92,8 @@ const char* to_string(Verdict verdict) {
             return "identical";
         case Verdict::reordered:
             return "reordered";
+        case Verdict::within_tolerance:
+            return "within tolerance";
         case Verdict::within_bounds:
             return "within bounds";
         case Verdict::not_comparable:
@@ -109,8 +112,8 @@ class Differ::State {
           input_(input_of(a)),
           places_(a, input_ ? &input_->bvh : nullptr) {
         for (std::size_t i = 0; i < a.stages().size(); ++i) order_[a.stages()[i].name] = i;
-        if (parameters().early_out != EarlyOut::immediate || options_.isolated || !input_ ||
-            !a.header().patterns.empty() || !a.has_buffers()) {
+        if (parameters().early_out != EarlyOut::immediate || tolerant() || options_.isolated ||
+            !input_ || !a.header().patterns.empty() || !a.has_buffers()) {
             return;
         }
         check_a();
@@ -191,6 +194,10 @@ class Differ::State {
         return settings;
     }
     const PipelineParameters& parameters() const { return a_.header().parameters; }
+    bool tolerant() const {
+        return parameters().arithmetic == reference::Arithmetic::fast ||
+               options_.b_arithmetic == reference::Arithmetic::fast;
+    }
     /// A's stage of that name, which is the last seen from now on; null where there is none to
     /// compare with.
     const StageRecord* partner_of(const StageView& b) {
@@ -263,8 +270,8 @@ class Differ::State {
         // With timing in play, one run may well be done a level earlier than the other; whether it
         // was right to be is for the bounds.
         result.missing = true;
-        const bool may_be =
-            parameters().early_out == EarlyOut::immediate && is_of_traversal(result.kind);
+        const bool may_be = (parameters().early_out == EarlyOut::immediate || tolerant()) &&
+                            is_of_traversal(result.kind);
         result.verdict = may_be ? timing_verdict() : Verdict::differs;
         if (!may_be) {
             StageView view;
@@ -360,6 +367,9 @@ class Differ::State {
         Comparison found = only_occlusion(parameters(), pair.b_stage, name)
                                ? compare_occlusion(pair)
                                : compare(pair);
+        if (found.verdict == Verdict::differs && tolerant()) {
+            found = compare_within_tolerance(pair);
+        }
         if (found.verdict == Verdict::differs &&
             depends_on_timing(parameters(), pair.b_stage, name)) {
             found.verdict = timing_verdict();

@@ -21,10 +21,11 @@ namespace scotty::verify {
 
 /// In order of gravity: a stage's verdict is its buffers' worst.
 enum class Verdict : std::uint8_t {
-    identical,       ///< the same bytes, unused memory apart
-    reordered,       ///< other bytes, the same canonical form, in a buffer whose order is free
-    within_bounds,   ///< depends on timing (`immediate`); each run keeps the set bounds
-    not_comparable,  ///< depends on timing, and the capture holds too little to check the bounds
+    identical,         ///< the same bytes, unused memory apart
+    reordered,         ///< other bytes, the same canonical form, in a buffer whose order is free
+    within_tolerance,  ///< fast arithmetic: by the array's tolerance (verify/tolerance.h)
+    within_bounds,     ///< depends on timing (`immediate`); each run keeps the set bounds
+    not_comparable,    ///< depends on timing, and the capture holds too little to check the bounds
     differs
 };
 const char* to_string(Verdict verdict);
@@ -99,6 +100,8 @@ struct DiffOptions {
     std::string b_backend;              ///< for the replay command
     /// A stage alone: inputs are the capture's own, and bounds over a whole run do not apply.
     bool isolated = false;
+    /// B's, where it is not A's.
+    reference::Arithmetic b_arithmetic = reference::Arithmetic::exact;
 };
 
 /// Compares stages with a capture's as they come.

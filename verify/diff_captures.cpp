@@ -28,6 +28,7 @@ void expect_comparable(const Capture& a, const Capture& b) {
            hex_text(hb.scene_fingerprint));
     PipelineParameters pa = ha.parameters;
     pa.hit_capacity = hb.parameters.hit_capacity;  // where it starts does not matter: it grows
+    pa.arithmetic = hb.parameters.arithmetic;      // what differs is held to tolerances
     const nlohmann::ordered_json ja = to_json(pa);
     const nlohmann::ordered_json jb = to_json(hb.parameters);
     for (const auto& item : ja.items()) {
@@ -39,6 +40,7 @@ void expect_comparable(const Capture& a, const Capture& b) {
 DiffReport diff_captures(const Capture& a, const Capture& b, DiffOptions options) {
     expect_comparable(a, b);
     options.b_backend = b.header().backend;
+    options.b_arithmetic = b.header().parameters.arithmetic;
     Differ differ(a, std::move(options));
     const bool by_hash = !a.has_buffers() || !b.has_buffers();
     for (const StageRecord& stage : b.stages()) {

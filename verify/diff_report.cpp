@@ -15,8 +15,9 @@ using reference::kNotApplicable;
 
 namespace {
 
-constexpr std::array kVerdicts{Verdict::identical, Verdict::reordered, Verdict::within_bounds,
-                               Verdict::not_comparable, Verdict::differs};
+constexpr std::array kVerdicts{Verdict::identical,        Verdict::reordered,
+                               Verdict::within_tolerance, Verdict::within_bounds,
+                               Verdict::not_comparable,   Verdict::differs};
 
 struct KindCounts {
     std::map<Verdict, std::uint64_t> by_verdict;

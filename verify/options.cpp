@@ -133,6 +133,14 @@ void add_pipeline_options(CLI::App& command, PipelineParameters& p) {
         ->group(kPipeline);
 }
 
+void add_arithmetic_option(CLI::App& command, PipelineParameters& p) {
+    add_word(
+        command, "--arithmetic",
+        [&p](const std::string& w) { p.arithmetic = reference::parse_arithmetic(w); },
+        fmt::format("fast: approximate, with --backend cuda only [{}]", to_string(p.arithmetic)),
+        "exact|fast", kPipeline);
+}
+
 void add_filter_options(CLI::App& command, ConfigurationFilter& filter) {
     const auto integer = [](const char* name) {
         return [name](const std::string& word) { return parse_integer<int>(name, word); };

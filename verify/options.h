@@ -17,6 +17,9 @@ void add_picture_options(CLI::App& command, reference::PipelineParameters& param
 /// --hit-capacity, --batch-rays: how it is traced. One value each.
 void add_pipeline_options(CLI::App& command, reference::PipelineParameters& parameters);
 
+/// --arithmetic, where the back end can be chosen.
+void add_arithmetic_option(CLI::App& command, reference::PipelineParameters& parameters);
+
 /// The same options (and --schedule) as comma-separated lists of values to select by.
 void add_filter_options(CLI::App& command, ConfigurationFilter& filter);
 

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "emulation/pipeline.h"
-#include "emulation/replay.h"
 #include "reference/error.h"
 #include "verify/failure.h"
 #include "verify/replay_inputs.h"
@@ -51,27 +49,6 @@ std::string nearest_names(const Capture& capture, const std::string& wanted) {
 
 }  // namespace
 
-const std::vector<std::string>& backend_names() {
-    static const std::vector<std::string> names{"emulator"};
-    return names;
-}
-
-Backend backend_named(const std::string& name, const emulation::DeviceOptions& device) {
-    if (name != "emulator") {
-        throw Error::bad_input("--backend", fmt::format("expected one of {}, found '{}'",
-                                                        fmt::join(backend_names(), ", "), name));
-    }
-    Backend backend;
-    backend.name = name;
-    backend.render = [device](const PipelineInput& input, reference::StageObserver& observer) {
-        emulation::Pipeline(input.scene, input.bvh, input.parameters, device, &observer).render();
-    };
-    backend.run_stage = [device](const PipelineInput& input, const StageView& stage) {
-        return emulation::run_stage(input.scene, input.bvh, input.parameters, device, stage);
-    };
-    return backend;
-}
-
 DiffReport replay_stage(const Capture& capture, const std::string& stage, const Backend& backend) {
     const StageRecord* record = capture.find(stage);
     if (record == nullptr) {
@@ -89,7 +66,8 @@ DiffReport replay_stage(const Capture& capture, const std::string& stage, const 
 }
 
 DiffReport diff_isolated(const Capture& capture, const Backend& backend, DiffOptions options) {
-    const PipelineInput input = read_pipeline_input(capture.directory());
+    PipelineInput input = read_pipeline_input(capture.directory());
+    input.parameters.arithmetic = options.b_arithmetic;
     const std::vector<std::string> patterns = options.patterns;
     Differ differ(capture, isolated_options(std::move(options), backend));
     for (const StageRecord& stage : capture.stages()) {
@@ -110,10 +88,11 @@ DiffReport diff_isolated(const Capture& capture, const Backend& backend, DiffOpt
 }
 
 DiffReport diff_with_run(const Capture& capture, const Backend& backend, DiffOptions options) {
-    const PipelineInput input = read_pipeline_input(capture.directory());
+    PipelineInput input = read_pipeline_input(capture.directory());
+    input.parameters.arithmetic = options.b_arithmetic;
     options.b_backend = backend.name;
     Differ differ(capture, std::move(options));
-    backend.render(input, differ);
+    backend.render(input, &differ);
     DiffReport report = differ.finish([](std::string_view) { return true; });
     report.b = fmt::format("a run of the {}", backend.name);
     return report;

@@ -12,6 +12,14 @@
 
 namespace scotty::verify {
 
+StageCounts& StageCounts::operator+=(const StageCounts& other) {
+    identical += other.identical;
+    reordered += other.reordered;
+    within_bounds += other.within_bounds;
+    differ += other.differ;
+    return *this;
+}
+
 std::uint64_t SceneReport::rays() const {
     std::uint64_t sum = 0;
     for (const ConfigurationReport& configuration : configurations) sum += configuration.rays;
@@ -64,6 +72,7 @@ std::string table(const Report& report) {
                           "grazing", "E.bad", "pixels equal", "seconds", "verdict");
     std::uint64_t rays = 0;
     std::size_t configurations = 0;
+    StageCounts stages;
     for (const SceneReport& scene : report.scenes) {
         const HitCheckResult& hits = scene.hits;
         const std::string brute = !scene.oracles_ran ? "-"
@@ -79,10 +88,18 @@ std::string table(const Report& report) {
                 pixels, fmt::format("{:.1f}", scene.seconds), scene.passed() ? "passed" : "FAILED");
         rays += scene.rays();
         configurations += scene.configurations.size();
+        for (const ConfigurationReport& c : scene.configurations) stages += c.stages;
     }
     out += fmt::format("\n{} scenes, {} runs, {} rays, {} threads, {:.1f} s: {}\n",
                        report.scenes.size(), configurations, rays, report.threads, report.seconds,
                        report.passed() ? "passed" : "FAILED");
+    if (stages.all() != 0) {
+        out += fmt::format(
+            "{} against the emulator: {} stages, {} identical, {} reordered, {} within bounds, {} "
+            "differ\n",
+            report.backend, stages.all(), stages.identical, stages.reordered, stages.within_bounds,
+            stages.differ);
+    }
     const auto failures = placed_failures(report);
     if (failures.empty()) return out;
     const PlacedFailure& first = failures.front();
@@ -123,6 +140,11 @@ nlohmann::json to_json(const ConfigurationReport& c) {
             {"passed", c.failures.empty()},
             {"failures", c.counts.failures},
             {"stages", c.counts.stages},
+            {"against_emulator",
+             {{"identical", c.stages.identical},
+              {"reordered", c.stages.reordered},
+              {"within_bounds", c.stages.within_bounds},
+              {"differ", c.stages.differ}}},
             {"rays", c.rays},
             {"entries", c.counts.entries},
             {"pushes", c.counts.pushes},
@@ -176,6 +198,7 @@ nlohmann::json to_json(const Report& report) {
     return {{"passed", report.passed()},
             {"command", report.command},
             {"threads", report.threads},
+            {"backend", report.backend},
             {"image", {{"width", p.image_width}, {"height", p.image_height}}},
             {"spp", p.spp},
             {"bounces", p.bounces},

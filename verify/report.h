@@ -14,8 +14,20 @@
 
 namespace scotty::verify {
 
+/// Stages of a back end held against the emulator's.
+struct StageCounts {
+    std::uint64_t identical = 0;
+    std::uint64_t reordered = 0;
+    std::uint64_t within_bounds = 0;
+    std::uint64_t differ = 0;
+
+    std::uint64_t all() const { return identical + reordered + within_bounds + differ; }
+    StageCounts& operator+=(const StageCounts& other);
+};
+
 struct ConfigurationReport {
     std::string label;
+    StageCounts stages;  ///< all zero where the emulator is what is verified
     InvariantCounts counts;
     std::uint64_t rays = 0;  ///< living rays traced
     double seconds = 0.0;
@@ -43,6 +55,7 @@ struct SceneReport {
 struct Report {
     reference::PipelineParameters parameters;  ///< what all configurations share
     std::size_t threads = 0;
+    std::string backend = "emulator";
     std::string command;  ///< as given
     std::vector<SceneReport> scenes;
     double seconds = 0.0;

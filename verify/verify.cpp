@@ -13,6 +13,9 @@
 #include "reference/embree_renderer.h"
 #include "reference/tracers.h"
 #include "reference/wide_bvh.h"
+#include "verify/backend.h"
+#include "verify/emulator_diff.h"
+#include "verify/pipeline_input.h"
 #include "verify/recording.h"
 
 namespace scotty::verify {
@@ -52,6 +55,9 @@ class SceneVerification {
  public:
     SceneVerification(const reference::Scene& scene, const VerifySettings& settings)
         : scene_(scene), settings_(settings) {
+        if (settings.backend != "emulator") {
+            backend_ = backend_named(settings.backend, settings.threads);
+        }
         report_.scene = scene.name;
         report_.source = scene.source;
         report_.triangles = scene.triangles.size();
@@ -103,8 +109,17 @@ class SceneVerification {
             "--leaf-size {} {}",
             scene_.source.empty() ? scene_.name : scene_.source, p.image_width, p.image_height,
             p.spp, p.bounces, p.light_samples, p.seed, p.max_leaf_size, configuration.options());
+        if (backend_) command += " --backend " + settings_.backend;
         if (settings_.threads != 0) command += fmt::format(" --threads {}", settings_.threads);
         return command;
+    }
+
+    /// Scene and BVH are copied once a width.
+    const PipelineInput& input_of(const reference::WideBvh& bvh, const PipelineParameters& p) {
+        PipelineInput& input = inputs_[p.width];
+        if (input.bvh.width == 0) input = {scene_, bvh, p};
+        input.parameters = p;
+        return input;
     }
 
     /// Runs, judges every launch, and compares with the baseline where there is one.
@@ -116,7 +131,15 @@ class SceneVerification {
         Recording recording;
         Recorder recorder(p, recording);
         InvariantChecker checker(scene_, bvh, p, {.stage_pattern = settings_.stage_pattern});
-        Observers observers({&checker, &recorder});
+        std::optional<EmulatorDiff> emulator;
+        const PipelineInput* input = nullptr;
+        if (settings_.backend != "emulator") {
+            input = &input_of(bvh, p);
+            emulator.emplace(*input, settings_.threads, settings_.backend);
+        }
+        std::vector<reference::StageObserver*> all{&checker, &recorder};
+        if (emulator) all.push_back(&emulator->observer());
+        Observers observers(all);
         std::optional<TamperingObserver> tampering;
         reference::StageObserver* observer = &observers;
         if (settings_.tamper) {
@@ -128,9 +151,11 @@ class SceneVerification {
             baseline == nullptr ? "baseline: " + configuration.label() : configuration.label();
         out.replay = replay_of(configuration);
         try {
-            emulation::Pipeline pipeline(scene_, bvh, p, configuration.device(settings_.threads),
-                                         observer);
-            recording.image = pipeline.render();
+            recording.image =
+                emulator ? backend_->render(*input, observer)
+                         : emulation::Pipeline(scene_, bvh, p,
+                                               configuration.device(settings_.threads), observer)
+                               .render();
         } catch (const reference::Error& error) {
             // What had been seen until then leads: it may well be the reason.
             out.failures = checker.failures();
@@ -146,6 +171,13 @@ class SceneVerification {
         out.failures = checker.failures();
         out.counts = checker.counts();
         out.rays = recording.living_rays();
+        if (emulator) {
+            for (Failure& difference : emulator->finish(out.stages)) {
+                if (!stage_matches(settings_.stage_pattern, difference.stage)) continue;
+                out.failures.push_back(std::move(difference));
+                ++out.counts.failures;
+            }
+        }
         if (baseline != nullptr) {
             const bool any = p.shadow_query == reference::ShadowQuery::any &&
                              p.early_out != reference::EarlyOut::off;
@@ -185,6 +217,8 @@ class SceneVerification {
     const VerifySettings& settings_;
     SceneReport report_;
     std::map<int, reference::WideBvh> bvhs_;
+    std::map<int, PipelineInput> inputs_;
+    std::optional<Backend> backend_;  ///< where it is not the emulator
     std::size_t done_ = 0;
     std::size_t steps_ = 0;
 };

@@ -16,7 +16,10 @@ struct VerifySettings {
     /// What all configurations share: image, samples, bounces, seed, leaf size.
     reference::PipelineParameters parameters;
     ConfigurationFilter filter;
-    std::size_t threads = 0;    ///< 0: all of the machine
+    std::size_t threads = 0;  ///< 0: all of the machine
+    /// Who runs all configurations. Any but the emulator is compared with it besides, launch by
+    /// launch.
+    std::string backend = "emulator";
     std::string stage_pattern;  ///< judge these stages only
     bool oracles = true;
     std::uint64_t brute_force_tests = 400'000'000;  ///< see HitCheckSettings

@@ -17,7 +17,7 @@ using namespace scotty::verify;
 using namespace scotty::verify::test;
 using Catch::Matchers::Contains;
 
-Backend emulator() { return backend_named("emulator", {}); }
+Backend emulator() { return backend_named("emulator", 0); }
 
 /// The buffers that a replay found different.
 std::set<std::string> differing(const DiffReport& report) {
@@ -175,7 +175,7 @@ TEST_CASE("replay: an unknown stage or back end is answered with those there are
         make_capture(folder / "c", small_parameters(), {}, {}, {"primary_rays"});
     CHECK_THAT(error_of([&] { replay_stage(capture, "bounce9/scene_rays", emulator()); }),
                Contains("holds no stage 'bounce9/scene_rays'") && Contains("primary_rays"));
-    CHECK_THAT(error_of([] { backend_named("abacus", {}); }),
+    CHECK_THAT(error_of([] { backend_named("abacus", 0); }),
                Contains("expected one of emulator") && Contains("'abacus'"));
     std::filesystem::remove_all(folder / "c" / "input");
     CHECK_THAT(error_of([&] { replay_stage(capture, "primary_rays", emulator()); }),

@@ -28,7 +28,7 @@ struct Overrides {
     int rays_per_block = 0;
     std::uint32_t batch_rays = 0;
     std::uint32_t hit_capacity = 0;
-    std::string early_out, hit_mode, block_order, shadow_query;
+    std::string early_out, hit_mode, block_order, shadow_query, arithmetic;
 };
 
 void add_overrides(CLI::App& command, Overrides& o) {
@@ -39,6 +39,7 @@ void add_overrides(CLI::App& command, Overrides& o) {
     command.add_option("--hit-mode", o.hit_mode, "buffer or packed");
     command.add_option("--block-order", o.block_order, "linear or strided");
     command.add_option("--shadow-query", o.shadow_query, "any or closest");
+    command.add_option("--arithmetic", o.arithmetic, "exact or fast");
 }
 
 void apply(const Overrides& o, PipelineParameters& p) {
@@ -49,6 +50,7 @@ void apply(const Overrides& o, PipelineParameters& p) {
     if (!o.hit_mode.empty()) p.hit_mode = reference::parse_hit_mode(o.hit_mode);
     if (!o.block_order.empty()) p.block_order = reference::parse_block_order(o.block_order);
     if (!o.shadow_query.empty()) p.shadow_query = reference::parse_shadow_query(o.shadow_query);
+    if (!o.arithmetic.empty()) p.arithmetic = reference::parse_arithmetic(o.arithmetic);
     reference::validate(p);
 }
 
@@ -72,7 +74,7 @@ struct RunOptions {
     Overrides overrides;
 };
 
-void print_timings(const gpu::Pipeline& pipeline) {
+void print_timings(gpu::Pipeline& pipeline) {
     std::map<reference::StageKind, std::pair<int, double>> by_kind;
     for (const reference::LaunchRecord& launch : pipeline.launches()) {
         auto& [count, seconds] = by_kind[launch.kind];
@@ -91,19 +93,19 @@ int run(const RunOptions& options) {
     const gpu::PipelineOptions device{options.timings, options.memory_limit};
     reference::Image image;
     if (options.capture.empty()) {
-        gpu::Pipeline pipeline(input.scene, input.bvh, input.parameters, device);
-        image = pipeline.render();
+        const auto pipeline = gpu::make_pipeline(input.scene, input.bvh, input.parameters, device);
+        image = pipeline->render();
         if (options.timings) {
-            pipeline.clear_launches();  // the first render warmed the device up
-            pipeline.render();
-            print_timings(pipeline);
+            pipeline->clear_launches();  // the first render warmed the device up
+            pipeline->render();
+            print_timings(*pipeline);
         }
     } else {
         verify::CaptureWriter writer(
             options.capture, verify::header_of("cuda", input.scene, input.bvh, input.parameters),
             options.stages);
-        gpu::Pipeline pipeline(input.scene, input.bvh, input.parameters, device, &writer);
-        image = pipeline.render();
+        image =
+            gpu::make_pipeline(input.scene, input.bvh, input.parameters, device, &writer)->render();
         if (!options.hashes_only) {
             verify::write_pipeline_input(writer.input_folder(), input.scene, input.bvh,
                                          input.parameters);
@@ -139,16 +141,16 @@ int trace(const TraceOptions& options) {
         input.parameters.batch_rays, static_cast<std::uint32_t>(rays.rays.size()));
     apply(options.overrides, input.parameters);
 
-    gpu::Pipeline pipeline(input.scene, input.bvh, input.parameters);
+    const auto pipeline = gpu::make_pipeline(input.scene, input.bvh, input.parameters);
     std::vector<reference::Hit> hits(rays.rays.size());
-    pipeline.trace(rays.rays, kind, hits);
+    pipeline->trace(rays.rays, kind, hits);
     if (!options.hits.empty()) {
         std::vector<reference::HitCandidate> records;
         records.reserve(hits.size());
         for (const reference::Hit& hit : hits) records.push_back(verify::hit_record(hit, any));
         verify::write_hits(options.hits, records);
     }
-    const double seconds = pipeline.time_trace(rays.rays, kind, options.repeats);
+    const double seconds = pipeline->time_trace(rays.rays, kind, options.repeats);
     std::printf(
         "%s %s width %d rays-per-block %d early-out %s hit-mode %s: %zu rays, %.3f ms, %.1f "
         "Mrays/s\n",

@@ -1,0 +1,95 @@
+#include "verify/backend.h"
+
+#include <fmt/format.h>
+
+#include "emulation/pipeline.h"
+#include "emulation/replay.h"
+#include "reference/error.h"
+#if defined(SCOTTY_HAS_CUDA)
+#include "gpu/pipeline.h"
+#endif
+
+namespace scotty::verify {
+
+using reference::Error;
+using reference::StageView;
+
+namespace {
+
+/// Exact whatever the parameters say: what fast arithmetic is held against.
+Backend emulator(std::size_t threads) {
+    const emulation::DeviceOptions device{.threads = threads};
+    Backend backend;
+    backend.name = "emulator";
+    backend.render = [device](const PipelineInput& input, reference::StageObserver* observer) {
+        return emulation::Pipeline(input.scene, input.bvh, input.parameters, device, observer)
+            .render();
+    };
+    backend.trace = [device](const PipelineInput& input, std::span<const reference::Ray> rays,
+                             reference::TraversalKind kind, std::span<reference::Hit> hits) {
+        emulation::Pipeline(input.scene, input.bvh, input.parameters, device)
+            .trace(rays, kind, hits);
+    };
+    backend.run_stage = [device](const PipelineInput& input, const StageView& stage) {
+        return emulation::run_stage(input.scene, input.bvh, input.parameters, device, stage);
+    };
+    return backend;
+}
+
+#if defined(SCOTTY_HAS_CUDA)
+
+Backend cuda() {
+    if (!gpu::find_device()) {
+        throw Error::missing_environment(
+            "--backend cuda: no CUDA device on this machine (scotty doctor says what there is)");
+    }
+    Backend backend;
+    backend.name = "cuda";
+    backend.has_fast_arithmetic = true;
+    backend.render = [](const PipelineInput& input, reference::StageObserver* observer) {
+        return gpu::make_pipeline(input.scene, input.bvh, input.parameters, {}, observer)->render();
+    };
+    backend.trace = [](const PipelineInput& input, std::span<const reference::Ray> rays,
+                       reference::TraversalKind kind, std::span<reference::Hit> hits) {
+        gpu::make_pipeline(input.scene, input.bvh, input.parameters)->trace(rays, kind, hits);
+    };
+    backend.run_stage = [](const PipelineInput& input, const StageView& stage) {
+        return gpu::run_stage(input.scene, input.bvh, input.parameters, stage);
+    };
+    return backend;
+}
+
+#else
+
+Backend cuda() {
+    throw Error::missing_environment(
+        "--backend cuda: this scotty was built where there was no CUDA compiler; build it again "
+        "where nvcc is, or capture on the other machine with scotty-gpu (docs/gpu.md)");
+}
+
+#endif
+
+}  // namespace
+
+const std::vector<std::string>& backend_names() {
+    static const std::vector<std::string> names{"emulator", "cuda"};
+    return names;
+}
+
+Backend backend_named(const std::string& name, std::size_t threads) {
+    if (name == "emulator") return emulator(threads);
+    if (name == "cuda") return cuda();
+    throw Error::bad_input("--backend", fmt::format("expected one of {}, found '{}'",
+                                                    fmt::join(backend_names(), ", "), name));
+}
+
+void expect_arithmetic(const Backend& backend, const reference::PipelineParameters& parameters) {
+    if (parameters.arithmetic == reference::Arithmetic::exact || backend.has_fast_arithmetic) {
+        return;
+    }
+    throw Error::bad_input(
+        "--arithmetic",
+        fmt::format("the {} computes exactly; fast arithmetic needs --backend cuda", backend.name));
+}
+
+}  // namespace scotty::verify
