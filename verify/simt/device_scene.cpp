@@ -1,0 +1,1 @@
+#include "gpu/device_scene.cu"

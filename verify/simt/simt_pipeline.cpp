@@ -1,0 +1,70 @@
+#include "verify/simt/simt_pipeline.h"
+
+#include "emulation/simt/current_device.h"
+#include "gpu/pipeline_build.h"
+
+namespace scotty::simt {
+
+namespace {
+
+using emulation::simt::CurrentDevice;
+using emulation::simt::Executor;
+
+/// gpu/'s pipeline with its executor made current for every call.
+class SimtPipeline final : public gpu::Pipeline {
+ public:
+    SimtPipeline(const reference::Scene& scene, const reference::WideBvh& bvh,
+                 const reference::PipelineParameters& parameters, const SimtOptions& options,
+                 reference::StageObserver* observer, const gpu::PipelineOptions& pipeline)
+        : executor_(options) {
+        const CurrentDevice here(executor_);
+        CurrentDevice::launch_failure().clear();
+        pipeline_ = gpu::simt::make_pipeline(scene, bvh, parameters, pipeline, observer);
+    }
+
+    reference::Image render() override {
+        const CurrentDevice here(executor_);
+        return pipeline_->render();
+    }
+    void trace(std::span<const reference::Ray> rays, gpu::TraversalKind kind,
+               std::span<reference::Hit> hits) override {
+        const CurrentDevice here(executor_);
+        pipeline_->trace(rays, kind, hits);
+    }
+    double time_trace(std::span<const reference::Ray> rays, gpu::TraversalKind kind,
+                      int repeats) override {
+        const CurrentDevice here(executor_);
+        return pipeline_->time_trace(rays, kind, repeats);
+    }
+    const std::vector<gpu::LaunchRecord>& launches() override { return pipeline_->launches(); }
+    void clear_launches() override { pipeline_->clear_launches(); }
+    std::size_t device_bytes() const override { return pipeline_->device_bytes(); }
+
+ private:
+    Executor executor_;
+    std::unique_ptr<gpu::Pipeline> pipeline_;
+};
+
+}  // namespace
+
+std::unique_ptr<gpu::Pipeline> make_simt_pipeline(const reference::Scene& scene,
+                                                  const reference::WideBvh& bvh,
+                                                  const reference::PipelineParameters& parameters,
+                                                  const SimtOptions& options,
+                                                  reference::StageObserver* observer,
+                                                  const gpu::PipelineOptions& pipeline) {
+    return std::make_unique<SimtPipeline>(scene, bvh, parameters, options, observer, pipeline);
+}
+
+std::vector<reference::OwnedBuffer> run_simt_stage(const reference::Scene& scene,
+                                                   const reference::WideBvh& bvh,
+                                                   const reference::PipelineParameters& parameters,
+                                                   const reference::StageView& stage,
+                                                   const SimtOptions& options) {
+    Executor executor(options);
+    const CurrentDevice here(executor);
+    CurrentDevice::launch_failure().clear();
+    return gpu::simt::run_stage(scene, bvh, parameters, stage);
+}
+
+}  // namespace scotty::simt

@@ -1,0 +1,30 @@
+/// The CUDA pipeline of gpu/, host side and kernels, run on the CPU: one coroutine per CUDA thread.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "emulation/simt/executor.h"
+#include "gpu/pipeline.h"
+
+namespace scotty::simt {
+
+using emulation::simt::SimtOptions;
+
+/// As gpu::make_pipeline, with the same text behind it; needs no device. A kernel whose threads do
+/// not meet or that fails is an internal error naming launch, kernel, block and threads.
+std::unique_ptr<gpu::Pipeline> make_simt_pipeline(const reference::Scene& scene,
+                                                  const reference::WideBvh& bvh,
+                                                  const reference::PipelineParameters& parameters,
+                                                  const SimtOptions& options = {},
+                                                  reference::StageObserver* observer = nullptr,
+                                                  const gpu::PipelineOptions& pipeline = {});
+
+/// One stage alone, as gpu::run_stage; without a device.
+std::vector<reference::OwnedBuffer> run_simt_stage(const reference::Scene& scene,
+                                                   const reference::WideBvh& bvh,
+                                                   const reference::PipelineParameters& parameters,
+                                                   const reference::StageView& stage,
+                                                   const SimtOptions& options = {});
+
+}  // namespace scotty::simt
