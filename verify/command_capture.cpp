@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "reference/error.h"
-#include "scenes/scenes.h"
 #include "verify/capture_writer.h"
 #include "verify/command.h"
 #include "verify/options.h"
@@ -56,7 +55,7 @@ int run_capture(const CaptureOptions& options) {
         limit.emplace(tbb::global_control::max_allowed_parallelism, options.threads);
     }
     PipelineInput input;
-    input.scene = scenes::load_scene(options.scene);
+    input.scene = load_scene_argument(options.scene);
     for (const std::string& warning : input.scene.warnings) spdlog::warn("{}", warning);
     input.parameters = options.parameters;
     Progress progress;

@@ -9,7 +9,6 @@
 
 #include "reference/error.h"
 #include "reference/tracers.h"
-#include "scenes/scenes.h"
 #include "verify/backend.h"
 #include "verify/command.h"
 #include "verify/options.h"
@@ -31,11 +30,6 @@ struct TraceOptions {
     std::size_t threads = 0;
     reference::PipelineParameters parameters;
 };
-
-Scene load(const std::string& scene) {
-    const bool flat = scene.size() > 4 && scene.ends_with(".scn");
-    return flat ? read_scene_file(scene) : scenes::load_scene(scene);
-}
 
 std::vector<HitCandidate> trace_with_embree(const Scene& scene, const RayFile& rays) {
     const reference::EmbreeTracer tracer(scene);
@@ -84,7 +78,7 @@ int run_trace(const TraceOptions& options) {
     if (!options.reference.empty()) {
         expected = read_reference(options.reference, rays.rays.size());
     }
-    const Scene scene = load(options.scene);
+    const Scene scene = load_scene_argument(options.scene);
     for (const std::string& warning : scene.warnings) spdlog::warn("{}", warning);
 
     Progress progress;

@@ -24,6 +24,7 @@ struct VerifyOptions {
     std::vector<std::string> scenes;
     VerifySettings settings;
     std::string json, junit, html, folder;
+    bool require_gpu = false;
     std::string command_line;
 };
 
@@ -58,6 +59,7 @@ int run_verify(VerifyOptions& options) {
         return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     };
     // Everything that can be wrong with the command line, before minutes of work.
+    if (options.require_gpu) backend_named("cuda", options.settings.threads);
     backend_named(options.settings.backend, options.settings.threads);
     reference::validate(options.settings.parameters);
     configurations(options.settings.parameters, options.settings.filter);
@@ -137,6 +139,8 @@ void add_verify_command(CLI::App& app, Action& action, const std::string& comman
                      "emulator or cuda: whose runs are verified; all but the emulator's are "
                      "compared with it, launch by launch, too")
         ->capture_default_str();
+    command->add_flag("--require-gpu", options->require_gpu,
+                      "fail (exit code 3) where there is no CUDA device");
     command->add_option("--json", options->json, "write the report as JSON; - is standard output")
         ->type_name("FILE");
     command->add_option("--junit", options->junit, "write the report as JUnit XML")

@@ -6,6 +6,8 @@
 #include <functional>
 
 #include "reference/error.h"
+#include "scenes/scenes.h"
+#include "verify/ray_file.h"
 
 namespace scotty::verify {
 
@@ -167,6 +169,10 @@ void add_filter_options(CLI::App& command, ConfigurationFilter& filter) {
              "parallel,serial,reversed,shuffled");
     command.add_flag("--all", filter.all, "every combination, not only all pairs of values")
         ->group("Selecting configurations");
+}
+
+reference::Scene load_scene_argument(const std::string& scene) {
+    return scene.ends_with(".scn") ? read_scene_file(scene) : scenes::load_scene(scene);
 }
 
 void add_thread_option(CLI::App& command, std::size_t& threads) {

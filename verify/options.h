@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "reference/pipeline_parameters.h"
+#include "reference/scene.h"
 #include "verify/configurations.h"
 
 namespace scotty::verify {
@@ -22,6 +23,9 @@ void add_arithmetic_option(CLI::App& command, reference::PipelineParameters& par
 
 /// The same options (and --schedule) as comma-separated lists of values to select by.
 void add_filter_options(CLI::App& command, ConfigurationFilter& filter);
+
+/// A built-in scene, a file that scenes/ loads, or a .scn of bare triangles (verify/ray_file.h).
+reference::Scene load_scene_argument(const std::string& scene);
 
 /// --threads
 void add_thread_option(CLI::App& command, std::size_t& threads);

@@ -1,0 +1,93 @@
+#!/usr/bin/env python3
+"""Planted faults: does the diff catch a broken CUDA kernel, and name the right launch first?
+
+  faults.py build NVCC BUILD OUT [NAME...]   one scotty-gpu a fault, from the kernels' text with one change
+  faults.py run OUT SCOTTY                   on a machine with a GPU: captures, diffs, prints a table; 1 if one escapes
+
+A fault is a replacement in one file of gpu/ that has to match once, so that it cannot rot unseen. `first` is the
+launch that the diff has to name first, as a regular expression.
+"""
+import json
+import os
+import re
+import subprocess
+import sys
+
+TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+EXACT = "--fmad=false --ftz=false --prec-div=true --prec-sqrt=true -diag-suppress=20012 -Xcompiler=-ffp-contract=off"
+
+# What every run shares; a fault may add to it.
+RUN = "spheres --size 45x37 --spp 2 --bounces 1 --light-samples 2 --width 8 --rays-per-block 64 --early-out level"
+
+
+def capture_folder(fault):
+    return re.sub(r"[^a-z]+", "_", "emulator" + fault.get("run", ""))
+
+
+def load():
+    with open(os.path.join(TOP, "tests/gpu/faults.json"), encoding="utf-8") as file:
+        return json.load(file)
+
+
+def build(nvcc, build_folder, out, names):
+    for fault in load():
+        if names and fault["name"] not in names:
+            continue
+        folder = os.path.join(out, fault["name"])
+        os.makedirs(os.path.join(folder, "gpu"), exist_ok=True)
+        with open(os.path.join(TOP, fault["file"]), encoding="utf-8") as file:
+            text = file.read()
+        if text.count(fault["find"]) != 1:
+            sys.exit(f"{fault['name']}: found {text.count(fault['find'])} times in {fault['file']}: {fault['find']}")
+        with open(os.path.join(folder, fault["file"]), "w", encoding="utf-8") as file:
+            file.write(text.replace(fault["find"], fault["replace"]))
+        objects = []
+        for unit in fault["units"]:
+            target = os.path.join(folder, unit + ".o")
+            subprocess.run(f"{nvcc} -O3 -arch=sm_90 -std=c++20 {EXACT} -I{folder} -I{TOP} -c {TOP}/gpu/{unit}.cu -o {target}",
+                           shell=True, check=True)
+            objects.append(target)
+        libraries = " ".join(os.path.join(build_folder, path) for path in (
+            "verify/libscotty_capture.a", "gpu/libscotty_gpu.a", "gpu/libscotty_gpu_fast.a",
+            "reference/libscotty_records.a"))
+        main = os.path.join(build_folder, "verify/CMakeFiles/scotty_gpu_program.dir/scotty_gpu/main.cpp.o")
+        subprocess.run(f"{nvcc} -std=c++20 {main} {' '.join(objects)} {libraries} -lxxhash -o {folder}/scotty-gpu"
+                       " -Xlinker -s -Xcompiler -static-libstdc++ -Xcompiler -static-libgcc",
+                       shell=True, check=True)
+        print(fault["name"], "built", flush=True)
+
+
+def run(out, scotty):
+    escaped = 0
+    for fault in load():
+        program = os.path.join(out, fault["name"], "scotty-gpu")
+        if not os.path.exists(program):
+            continue
+        expected = os.path.join(out, capture_folder(fault))
+        if not os.path.exists(expected):
+            subprocess.run([scotty, "capture", *RUN.split(), *fault.get("run", "").split(), "-o", expected], check=True)
+        found = os.path.join(out, fault["name"], "capture")
+        ran = subprocess.run([program, "run", os.path.join(expected, "input"), "-o", found],
+                             capture_output=True, text=True, check=False)
+        if ran.returncode != 0:
+            first = ran.stderr.strip()
+            caught = re.search(fault["first"], first) is not None
+        else:
+            diff = subprocess.run([scotty, "diff", expected, found, "--json"],
+                                  capture_output=True, text=True, check=False)
+            report = json.loads(diff.stdout)
+            divergence = report["first_divergence"] or {"stage": "nothing differs", "what": ""}
+            first = f"launch {divergence.get('launch')} {divergence['stage']}: {divergence['what']}"
+            caught = diff.returncode == 1 and re.fullmatch(fault["first"], divergence["stage"]) is not None
+        escaped += not caught
+        print(f"{'caught' if caught else 'ESCAPED':<8} {fault['name']:<28} {fault['file']:<28} {first}", flush=True)
+    sys.exit(1 if escaped else 0)
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["build"] and len(sys.argv) >= 5:
+        build(sys.argv[2], sys.argv[3], sys.argv[4], sys.argv[5:])
+    elif sys.argv[1:2] == ["run"] and len(sys.argv) == 4:
+        run(sys.argv[2], sys.argv[3])
+    else:
+        sys.exit(__doc__)

@@ -1,0 +1,38 @@
+/// Every kernel, for every width: compiled to PTX to see which instructions they become.
+#include <cuda_runtime.h>
+
+#include "gpu/clear_traversal.h"
+#include "gpu/direct_light_rays.h"
+#include "gpu/filter_bilateral.h"
+#include "gpu/filter_gaussian.h"
+#include "gpu/filter_median.h"
+#include "gpu/intersect.h"
+#include "gpu/intersect_root.h"
+#include "gpu/merge_intersections.h"
+#include "gpu/primary_rays.h"
+#include "gpu/publish_minimum.h"
+#include "gpu/reconstruct_image.h"
+#include "gpu/resolve_light.h"
+#include "gpu/scan_counts.h"
+#include "gpu/scene_rays.h"
+
+namespace SCOTTY_DEVICE_NAMESPACE {
+
+template __global__ void intersect<2>(BvhView<2>, const reference::Ray*, LevelView, HitView,
+                                      MinimumView, bool);
+template __global__ void intersect<4>(BvhView<4>, const reference::Ray*, LevelView, HitView,
+                                      MinimumView, bool);
+template __global__ void intersect<8>(BvhView<8>, const reference::Ray*, LevelView, HitView,
+                                      MinimumView, bool);
+template __global__ void intersect<16>(BvhView<16>, const reference::Ray*, LevelView, HitView,
+                                       MinimumView, bool);
+template __global__ void intersect_root<2>(BvhView<2>, const reference::Ray*, std::uint32_t,
+                                           LevelView, MinimumView);
+template __global__ void intersect_root<4>(BvhView<4>, const reference::Ray*, std::uint32_t,
+                                           LevelView, MinimumView);
+template __global__ void intersect_root<8>(BvhView<8>, const reference::Ray*, std::uint32_t,
+                                           LevelView, MinimumView);
+template __global__ void intersect_root<16>(BvhView<16>, const reference::Ray*, std::uint32_t,
+                                            LevelView, MinimumView);
+
+}  // namespace SCOTTY_DEVICE_NAMESPACE
