@@ -136,6 +136,9 @@ void DevicePipeline::render_in_batches() {
     StagePlace place;
     place.several_batches = pixels_at_once < pixels || samples < parameters_.spp;
     paths_.image.resize(pixels, "the image");
+    // Observers see all of it after every batch.
+    check(cudaMemsetAsync(paths_.image.data(), 0, pixels * sizeof(Vec3), stream_.get()),
+          "clearing the image");
     for (std::uint32_t pixel = 0; pixel < pixels; pixel += pixels_at_once) {
         for (std::uint32_t sample = 0; sample < parameters_.spp; sample += samples) {
             const BatchView batch{pixel, std::min(pixels_at_once, pixels - pixel), sample,
