@@ -104,7 +104,7 @@ void Traversal::enqueue(const reference::Ray* rays, std::uint32_t count,
             const auto counts = download(view.node_counts, view.node_count, "queue lengths");
             if (std::all_of(counts.begin(), counts.end(), [](auto c) { return c == 0; })) break;
         }
-        launch_level(here);
+        if (!launch_level(here)) return;  // run() grows what was too small
         if (parameters_.early_out == EarlyOut::level) launch_publish(here);
         swap(queue_, child_queue_);
     }
@@ -144,12 +144,13 @@ void Traversal::clear(const StagePlace& place) {
     check(cudaGetLastError(), "clearing before " + place.name(StageKind::merge_intersections));
 }
 
-void Traversal::launch_level(const StagePlace& place) {
+bool Traversal::launch_level(const StagePlace& place) {
     const LevelView level = level_view(place.level);
     log_.run(StageKind::scan_counts, place, 2, level.node_count, stream_, [&] {
         SCOTTY_LAUNCH(scan_counts, 2, kScanThreads, stream_, level,
                       static_cast<std::uint32_t>(parameters_.rays_per_block));
     });
+    if (log_.observed() && overflowed()) return false;
     if (log_.wants(StageKind::scan_counts)) show_scan(place, level);
     const StageKind kind = place.level == 0 ? StageKind::intersect_root : StageKind::intersect;
     log_.run(kind, place, resident_blocks_, place.level == 0 ? count_ : 0, stream_, [&] {
@@ -168,7 +169,9 @@ void Traversal::launch_level(const StagePlace& place) {
                 break;
         }
     });
+    if (log_.observed() && overflowed()) return false;
     if (log_.wants(kind)) show_level(place, level);
+    return true;
 }
 
 template <int Width>
@@ -199,6 +202,11 @@ void Traversal::launch_merge(const StagePlace& place, reference::Hit* merged) {
                       scene_.view(), rays_, hit_view(), merged);
     });
     if (log_.wants(StageKind::merge_intersections)) show_merge(place, merged);
+}
+
+bool Traversal::overflowed() const {
+    const FaultView faults = download(faults_.data(), 1, "fault flags").front();
+    return faults.hits_needed != 0 || faults.queue_needed != 0 || faults.node_overflow != 0;
 }
 
 bool Traversal::grow(const StagePlace& place) {

@@ -38,7 +38,10 @@ class Traversal {
  private:
     void prepare(std::uint32_t count);
     void clear(const reference::StagePlace& place);
-    void launch_level(const reference::StagePlace& place);
+    /// False, and the level not shown, where something was too small. Only an observed traversal
+    /// looks; one that is not finds out at its end.
+    bool launch_level(const reference::StagePlace& place);
+    bool overflowed() const;
     void launch_publish(const reference::StagePlace& place);
     void launch_merge(const reference::StagePlace& place, reference::Hit* merged);
     template <int Width>

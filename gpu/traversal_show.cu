@@ -52,10 +52,7 @@ void Traversal::show_level(const StagePlace& place, const LevelView& level) {
         keep(words, level.child_offsets, level.child_node_count + 1, "child_offsets");
     const auto child_counts =
         keep(words, level.child_counts, level.child_node_count, "child_counts");
-    // Too small a queue is shown as far as it goes: the traversal is about to be run again.
-    const auto child_queue =
-        keep(words, level.child_queue, std::min(child_offsets.back(), level.queue_capacity),
-             "child_queue");
+    const auto child_queue = keep(words, level.child_queue, child_offsets.back(), "child_queue");
 
     const StageKind kind = place.level == 0 ? StageKind::intersect_root : StageKind::intersect;
     StageView stage = log_.stage(kind, place, blocks.back(),
@@ -67,8 +64,7 @@ void Traversal::show_level(const StagePlace& place, const LevelView& level) {
     std::vector<std::uint32_t> queue;
     if (place.level > 0) {
         queue_offsets = download(level.queue_offsets, level.node_count + 1, "queue_offsets");
-        queue =
-            download(level.queue, std::min(queue_offsets.back(), level.queue_capacity), "queue");
+        queue = download(level.queue, queue_offsets.back(), "queue");
     }
     stage.inputs.push_back(buffer_view("queue_offsets",
                                        std::span<const std::uint32_t>(queue_offsets),
