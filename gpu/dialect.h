@@ -54,6 +54,18 @@ SCOTTY_DEVICE std::uint32_t warp_index() { return threadIdx.x / kWarpSize; }
 SCOTTY_DEVICE std::uint32_t warp_ballot(bool predicate) {
     return __ballot_sync(0xffffffffu, predicate);
 }
+/// A ballot for each of the `Count` lowest bits.
+template <int Count>
+struct Ballots {
+    std::uint32_t of[Count];
+};
+template <int Count>
+SCOTTY_DEVICE Ballots<Count> warp_ballots(std::uint32_t bits) {
+    Ballots<Count> ballots;
+#pragma unroll
+    for (int i = 0; i < Count; ++i) ballots.of[i] = warp_ballot((bits >> i & 1u) != 0);
+    return ballots;
+}
 /// The value that the lane `delta` below holds; the lane's own where there is none.
 SCOTTY_DEVICE std::uint32_t warp_shuffle_up(std::uint32_t value, std::uint32_t delta) {
     return __shfl_up_sync(0xffffffffu, value, delta);

@@ -84,10 +84,12 @@ SCOTTY_COLLECTIVE(void)
 push_to_children(std::uint32_t entered, std::uint32_t ray_id, const LevelView& level,
                  IntersectShared<Width>& shared) {
     const std::uint32_t warps = block_size() / kWarpSize;
+    const auto counted = SCOTTY_AWAIT(warp_ballots<Width>(entered));
+    if (lane_index() == 0) {
 #pragma unroll
-    for (int child = 0; child < Width; ++child) {
-        const std::uint32_t ballot = SCOTTY_AWAIT(warp_ballot((entered >> child & 1u) != 0));
-        if (lane_index() == 0) shared.warp_counts[child][warp_index()] = count_bits(ballot);
+        for (int child = 0; child < Width; ++child) {
+            shared.warp_counts[child][warp_index()] = count_bits(counted.of[child]);
+        }
     }
     SCOTTY_SYNC();
     if (thread_index() < Width) {
@@ -109,13 +111,14 @@ push_to_children(std::uint32_t entered, std::uint32_t ray_id, const LevelView& l
         }
     }
     SCOTTY_SYNC();
+    const auto ballots =
+        SCOTTY_AWAIT(warp_ballots<Width>(entered));  // again: kept, they would cost Width registers
 #pragma unroll
     for (int child = 0; child < Width; ++child) {
         const bool mine = (entered >> child & 1u) != 0;
-        const std::uint32_t ballot = SCOTTY_AWAIT(warp_ballot(mine));
         if (mine && shared.base[child] != reference::kNone) {
             level.child_queue[shared.base[child] + shared.warp_counts[child][warp_index()] +
-                              count_bits(bits_below_lane(ballot))] = ray_id;
+                              count_bits(bits_below_lane(ballots.of[child]))] = ray_id;
         }
     }
     SCOTTY_RETURN;

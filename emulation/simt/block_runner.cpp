@@ -1,6 +1,7 @@
 #include "emulation/simt/block_runner.h"
 
 #include <algorithm>
+#include <cstring>
 #include <exception>
 #include <utility>
 
@@ -16,10 +17,11 @@ void BlockRunner::enter(const Launch& launch, std::uint32_t block) {
     context.block = block;
     context.block_size = launch.threads;
     context.grid_size = launch.blocks;
+    ballots_[0].fill(0);
+    context.ballots_in = ballots_[0].data();
+    context.ballots_out = ballots_[1].data();
     context.values_in = values_[0].data();
     context.values_out = values_[1].data();
-    context.handles = handles_.data();
-    context.stops = stops_.data();
     context.returns = returns_.data();
     context.arena = &arena_;
     context.shared = &shared_;
@@ -34,8 +36,8 @@ void BlockRunner::run(const Launch& launch, std::uint32_t block, ScheduleKind or
     order_.start_block(order, seed, (launch.threads + kLanes - 1) / kLanes);
     try {
         run_phase<true>(launch);
-        while (stops_[0]->kind == SiteKind::barrier) {
-            if (context.observer != nullptr) context.observer->on_barrier(block, *stops_[0]);
+        while (stops_[0].site->kind == SiteKind::barrier) {
+            if (context.observer != nullptr) context.observer->on_barrier(block, *stops_[0].site);
             run_phase<false>(launch);
         }
     } catch (const LaunchError&) {
@@ -57,7 +59,9 @@ void BlockRunner::run_phase(const Launch& launch) {
         meets &= run_warp<First>(launch, order_.warp_order[i]);
     }
     // All warps have stopped: a divergence can be told with the places of all threads.
-    for (std::uint32_t warp = 1; warp < warps; ++warp) meets &= stops_[warp * kLanes] == stops_[0];
+    for (std::uint32_t warp = 1; warp < warps; ++warp) {
+        meets &= stops_[warp * kLanes].site == stops_[0].site;
+    }
     if (!meets) fail_divergent(launch);
 }
 
@@ -65,38 +69,47 @@ template <bool First>
 bool BlockRunner::run_warp(const Launch& launch, std::uint32_t warp) {
     const std::uint32_t base = warp * kLanes;
     const std::uint32_t lanes = std::min(kLanes, launch.threads - base);
-    const Site* const* stops = stops_.data() + base;
-    bool starts = First;
-    for (;;) {
+    ThreadStop* const stops = stops_.data() + base;
+    const auto take_turns = [&](const auto& turn) {
         context.ballot_in = 0;
         for (const std::uint8_t lane : order_.lane_order) {
             if (lane >= lanes) continue;
             context.thread = base + lane;
-            if (starts) {
-                launch.start(launch.arguments);
-            } else {
-                handles_[base + lane].resume();
-            }
+            context.stop = stops + lane;
+            turn(stops[lane]);
         }
-        starts = false;
-        bool same = true;
-        for (std::uint32_t lane = 1; lane < lanes; ++lane) same &= stops[lane] == stops[0];
-        if (!same) return false;
-        if (stops[0]->kind != SiteKind::collective) return true;
+    };
+    if (First) {
+        take_turns([&](const ThreadStop&) { launch.start(launch.arguments); });
+    } else {
+        take_turns([](const ThreadStop& stop) { stop.handle.resume(); });
+    }
+    for (;;) {
+        const Site* const site = stops[0].site;
+        std::uintptr_t other = 0;
+        for (std::uint32_t lane = 1; lane < lanes; ++lane) {
+            other |= reinterpret_cast<std::uintptr_t>(stops[lane].site) ^
+                     reinterpret_cast<std::uintptr_t>(site);
+        }
+        if (other != 0) return false;
+        if (site->kind != SiteKind::collective) return true;
         context.ballot_out = context.ballot_in;
         std::swap(context.values_in, context.values_out);
+        std::swap(context.ballots_in, context.ballots_out);
+        std::memset(context.ballots_in, 0, sizeof ballots_[0]);
+        take_turns([](const ThreadStop& stop) { stop.handle.resume(); });
     }
 }
 
 void BlockRunner::fail_divergent(const Launch& launch) const {
     std::vector<ThreadGroup> groups;
     for (std::uint32_t thread = 0; thread < launch.threads; ++thread) {
-        const Site* left_at = stops_[thread] == &kLeft ? returns_[thread] : nullptr;
+        const Site* left_at = stops_[thread].site == &kLeft ? returns_[thread] : nullptr;
         auto group = std::find_if(groups.begin(), groups.end(), [&](const ThreadGroup& g) {
-            return g.stop == stops_[thread] && g.left_at == left_at;
+            return g.stop == stops_[thread].site && g.left_at == left_at;
         });
         if (group == groups.end()) {
-            group = groups.insert(groups.end(), {stops_[thread], left_at, {}});
+            group = groups.insert(groups.end(), {stops_[thread].site, left_at, {}});
         }
         group->threads.push_back(thread);
     }

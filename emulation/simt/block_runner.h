@@ -46,10 +46,10 @@ class BlockRunner {
     /// Inside a handler: what the running thread has thrown.
     [[noreturn]] void fail_thread(const Launch& launch) const;
 
-    std::array<std::coroutine_handle<>, kMaxThreads> handles_{};
-    std::array<const Site*, kMaxThreads> stops_{};
+    std::array<ThreadStop, kMaxThreads> stops_{};
     std::array<const Site*, kMaxThreads> returns_{};
     std::array<std::array<std::uint32_t, kLanes>, 2> values_{};
+    std::array<std::array<std::uint32_t, kLanes>, 2> ballots_{};
     ThreadOrder order_;
     FrameArena arena_;
     SharedMemory shared_;

@@ -30,7 +30,14 @@ class AccessObserver {
     virtual void on_barrier(std::uint32_t block, const Site& site) = 0;
 };
 
+/// Where a thread of the block stands.
+struct ThreadStop {
+    std::coroutine_handle<> handle;  ///< of its innermost coroutine
+    const Site* site = nullptr;
+};
+
 struct Context {
+    ThreadStop* stop = nullptr;  ///< the running thread's
     std::uint32_t thread = 0;
     std::uint32_t block = 0;
     std::uint32_t block_size = 0;
@@ -38,12 +45,12 @@ struct Context {
     /// The warp's collective: what lanes bring, and what the last one made of it.
     std::uint32_t ballot_in = 0;
     std::uint32_t ballot_out = 0;
+    std::uint32_t* ballots_in = nullptr;
+    std::uint32_t* ballots_out = nullptr;
     std::uint32_t* values_in = nullptr;
     std::uint32_t* values_out = nullptr;
-    /// By thread of the block.
-    std::coroutine_handle<>* handles = nullptr;
-    const Site** stops = nullptr;
-    const Site** returns = nullptr;  ///< the SCOTTY_RETURN that ended it; null: the kernel's end
+    /// By thread of the block: the SCOTTY_RETURN that ended it; null: the kernel's end.
+    const Site** returns = nullptr;
     std::uint32_t started = 0;
     std::uint32_t finished = 0;
     FrameArena* arena = nullptr;
@@ -57,12 +64,6 @@ inline void note_access(AccessObserver::Access access, const void* address, std:
     if (context.observer != nullptr) [[unlikely]] {
         context.observer->on_access(access, address, bytes);
     }
-}
-
-/// The running thread stops at `site`; `handle` is the innermost of its coroutines.
-inline void stop_at(const Site& site, std::coroutine_handle<> handle) {
-    context.handles[context.thread] = handle;
-    context.stops[context.thread] = &site;
 }
 
 }  // namespace scotty::emulation::simt

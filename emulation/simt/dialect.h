@@ -17,7 +17,7 @@
 #define SCOTTY_KERNEL(name) inline ::scotty::emulation::simt::Kernel name
 #define SCOTTY_DEVICE inline
 #define SCOTTY_COLLECTIVE(type) inline ::scotty::emulation::simt::Task<type>
-#define SCOTTY_SYNC() (co_await ::scotty::emulation::simt::Barrier{&SCOTTY_SITE(barrier)})
+#define SCOTTY_SYNC() (co_await ::scotty::emulation::simt::Barrier(SCOTTY_SITE(barrier)))
 #define SCOTTY_AWAIT(call) (co_await ::scotty::emulation::simt::at(SCOTTY_SITE(collective), call))
 /// A loop, so that it is one statement with a return value or without, and not half an if.
 #define SCOTTY_RETURN \
@@ -40,7 +40,13 @@ SCOTTY_DEVICE std::uint32_t grid_size() { return emulation::simt::context.grid_s
 SCOTTY_DEVICE std::uint32_t lane_index() { return thread_index() % kWarpSize; }
 SCOTTY_DEVICE std::uint32_t warp_index() { return thread_index() / kWarpSize; }
 
-SCOTTY_DEVICE emulation::simt::WarpBallot warp_ballot(bool predicate) { return {predicate}; }
+SCOTTY_DEVICE emulation::simt::WarpBallot warp_ballot(bool predicate) {
+    return emulation::simt::WarpBallot(predicate);
+}
+template <int Count>
+SCOTTY_DEVICE emulation::simt::WarpBallots<Count> warp_ballots(std::uint32_t bits) {
+    return emulation::simt::WarpBallots<Count>(bits);
+}
 SCOTTY_DEVICE emulation::simt::WarpShuffleUp warp_shuffle_up(std::uint32_t value,
                                                              std::uint32_t delta) {
     return {value, delta};

@@ -15,16 +15,12 @@ class FrameArena {
  public:
     void* allocate(std::size_t bytes) {
         const std::size_t lines = lines_of(bytes);
-        if (lines < kClasses && free_[lines] != nullptr) {
+        if (lines < kClasses && free_[lines] != nullptr) [[likely]] {
             Free* frame = free_[lines];
             free_[lines] = frame->next;
             return frame;
         }
-        const std::size_t size = lines * kLine;
-        if (static_cast<std::size_t>(end_ - next_) < size) add_chunk(size);
-        std::byte* frame = next_;
-        next_ += size;
-        return frame;
+        return carve(lines * kLine);
     }
     void release(void* memory, std::size_t bytes) noexcept {
         const std::size_t lines = lines_of(bytes);
@@ -61,6 +57,13 @@ class FrameArena {
     /// sets of the first-level cache.
     static constexpr std::size_t lines_of(std::size_t bytes) {
         return ((bytes + kLine - 1) / kLine) | 1u;
+    }
+    /// Kept out of line, so that the rest is inlined.
+    [[gnu::noinline]] void* carve(std::size_t size) {
+        if (static_cast<std::size_t>(end_ - next_) < size) add_chunk(size);
+        std::byte* frame = next_;
+        next_ += size;
+        return frame;
     }
     void add_chunk(std::size_t size) {
         if (next_ != nullptr) ++chunk_;

@@ -29,7 +29,7 @@ struct Kernel {
         /// The frame goes back to the arena; the thread's handle is not looked at again.
         std::suspend_never final_suspend() const noexcept { return {}; }
         void return_void() const noexcept {
-            context.stops[context.thread] = &kLeft;
+            context.stop->site = &kLeft;
             ++context.finished;
         }
         [[noreturn]] void unhandled_exception() const { throw; }

@@ -16,6 +16,15 @@ SCOTTY_KERNEL(ballots)(std::uint32_t rounds, std::uint32_t* out) {
     }
 }
 
+/// Two calls in a row: the second must see nothing of the first.
+SCOTTY_KERNEL(many_ballots)(const std::uint32_t* bits, std::uint32_t* out) {
+    const std::uint32_t mine = bits[thread_index()];
+    const auto first = SCOTTY_AWAIT(warp_ballots<16>(mine));
+    const auto second = SCOTTY_AWAIT(warp_ballots<5>(mine >> 16));
+    for (std::uint32_t i = 0; i < 16; ++i) out[21 * thread_index() + i] = first.of[i];
+    for (std::uint32_t i = 0; i < 5; ++i) out[21 * thread_index() + 16 + i] = second.of[i];
+}
+
 SCOTTY_KERNEL(ballot_in_one_warp)(std::uint32_t* out) {
     std::uint32_t ballot = 0;
     if (warp_index() == 1) ballot = SCOTTY_AWAIT(warp_ballot(lane_index() % 2 == 0));
@@ -74,6 +83,28 @@ TEST_CASE("executor: a ballot has a bit for every lane of the warp and no other"
                 for (std::uint32_t i = 0; i < threads; ++i) {
                     CHECK(out[round * threads + i] == ballot[i / 32]);
                     mixed[i] ^= ballot[i / 32];
+                }
+            }
+        }
+    }
+}
+
+TEST_CASE("executor: many ballots at once are what they are one by one", "[simt][collective]") {
+    for (const std::uint32_t threads : {64u, 70u}) {
+        for (const SimtOptions& options : every_order()) {
+            std::vector<std::uint32_t> bits(threads);
+            for (std::uint32_t i = 0; i < threads; ++i) bits[i] = 0x9e3779b9u * (i + 1);
+            std::vector<std::uint32_t> out(21 * threads, 0);
+            Executor(options).launch("many_ballots", 1, threads, many_ballots, bits.data(),
+                                     out.data());
+            for (std::uint32_t i = 0; i < threads; ++i) {
+                for (std::uint32_t bit = 0; bit < 21; ++bit) {
+                    std::uint32_t ballot = 0;
+                    for (std::uint32_t lane = 0; lane < 32 && i / 32 * 32 + lane < threads;
+                         ++lane) {
+                        ballot |= (bits[i / 32 * 32 + lane] >> bit & 1u) << lane;
+                    }
+                    CHECK(out[21 * i + bit] == ballot);
                 }
             }
         }
