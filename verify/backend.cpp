@@ -5,6 +5,7 @@
 #include "emulation/pipeline.h"
 #include "emulation/replay.h"
 #include "reference/error.h"
+#include "verify/simt/simt_pipeline.h"
 #if defined(SCOTTY_HAS_CUDA)
 #include "gpu/pipeline.h"
 #endif
@@ -13,6 +14,8 @@ namespace scotty::verify {
 
 using reference::Error;
 using reference::StageView;
+using scotty::simt::make_simt_pipeline;
+using scotty::simt::run_simt_stage;
 
 namespace {
 
@@ -32,6 +35,26 @@ Backend emulator(std::size_t threads) {
     };
     backend.run_stage = [device](const PipelineInput& input, const StageView& stage) {
         return emulation::run_stage(input.scene, input.bvh, input.parameters, device, stage);
+    };
+    return backend;
+}
+
+/// The CUDA pipeline's text on the CPU.
+Backend simt(std::size_t threads) {
+    const scotty::simt::SimtOptions options{.threads = threads};
+    Backend backend;
+    backend.name = "simt";
+    backend.render = [options](const PipelineInput& input, reference::StageObserver* observer) {
+        return make_simt_pipeline(input.scene, input.bvh, input.parameters, options, observer)
+            ->render();
+    };
+    backend.trace = [options](const PipelineInput& input, std::span<const reference::Ray> rays,
+                              reference::TraversalKind kind, std::span<reference::Hit> hits) {
+        make_simt_pipeline(input.scene, input.bvh, input.parameters, options)
+            ->trace(rays, kind, hits);
+    };
+    backend.run_stage = [options](const PipelineInput& input, const StageView& stage) {
+        return run_simt_stage(input.scene, input.bvh, input.parameters, stage, options);
     };
     return backend;
 }
@@ -72,12 +95,13 @@ Backend cuda() {
 }  // namespace
 
 const std::vector<std::string>& backend_names() {
-    static const std::vector<std::string> names{"emulator", "cuda"};
+    static const std::vector<std::string> names{"emulator", "simt", "cuda"};
     return names;
 }
 
 Backend backend_named(const std::string& name, std::size_t threads) {
     if (name == "emulator") return emulator(threads);
+    if (name == "simt") return simt(threads);
     if (name == "cuda") return cuda();
     throw Error::bad_input("--backend", fmt::format("expected one of {}, found '{}'",
                                                     fmt::join(backend_names(), ", "), name));

@@ -109,7 +109,8 @@ void add_capture_command(CLI::App& app, Action& action) {
         ->type_name("PATTERN");
     command->add_flag("--input-only", options->input_only,
                       "run nothing: write scene, BVH and parameters");
-    command->add_option("--backend", options->backend, "emulator or cuda: who runs the pipeline")
+    command
+        ->add_option("--backend", options->backend, "emulator, simt or cuda: who runs the pipeline")
         ->capture_default_str();
     command
         ->add_option_function<std::string>(

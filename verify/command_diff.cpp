@@ -77,7 +77,7 @@ void add_diff_command(CLI::App& app, Action& action) {
     command->add_option("a", options->a, "a capture: what is expected")->required();
     command->add_option("b", options->b, "another capture; none: --backend runs");
     command->add_option("--backend", options->backend,
-                        "emulator or cuda: who runs the pipeline [emulator]");
+                        "emulator, simt or cuda: who runs the pipeline [emulator]");
     command->add_flag("--isolated", options->isolated, "each stage alone, on A's inputs");
     command
         ->add_option_function<std::string>(

@@ -49,7 +49,7 @@ void add_replay_command(CLI::App& app, Action& action) {
     auto options = std::make_shared<ReplayCommand>();
     command->add_option("capture", options->capture, "a capture")->required();
     command->add_option("--stage", options->stage, "the stage's whole name")->required();
-    command->add_option("--backend", options->backend, "emulator or cuda: who runs the stage")
+    command->add_option("--backend", options->backend, "emulator, simt or cuda: who runs the stage")
         ->capture_default_str();
     command->add_flag("--json", options->json, "the result as JSON");
     add_thread_option(*command, options->threads);

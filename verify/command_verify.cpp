@@ -136,7 +136,7 @@ void add_verify_command(CLI::App& app, Action& action, const std::string& comman
                         "built-in scenes (scotty list) or files; all built-in ones by default");
     command
         ->add_option("--backend", options->settings.backend,
-                     "emulator or cuda: whose runs are verified; all but the emulator's are "
+                     "emulator, simt or cuda: whose runs are verified; all but the emulator's are "
                      "compared with it, launch by launch, too")
         ->capture_default_str();
     command->add_flag("--require-gpu", options->require_gpu,
