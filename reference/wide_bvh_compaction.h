@@ -3,7 +3,7 @@
 /// Optimal by the surface-area heuristic, by dynamic programming: Ylitie, Karras, Laine, "Efficient
 /// Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", HPG 2017, section 3.1. Held
 /// against the greedy rule of Wald et al. 2008 (open the child with the largest area until there
-/// are N) on full leaves of four, width 8, it enters 3-7 % fewer nodes and tests a quarter to a
+/// are N) on full leaves of four, width 8, it enters about as many nodes and tests a quarter to a
 /// half fewer triangles, because leaves and nodes are chosen together.
 #pragma once
 

@@ -69,8 +69,8 @@ EmulatorDiff::~EmulatorDiff() {
     fs::remove_all(folder_, ignored);
 }
 
-std::vector<Failure> EmulatorDiff::finish(StageCounts& counts) {
-    const DiffReport report = differ_->finish([](std::string_view) { return true; });
+std::vector<Failure> EmulatorDiff::finish(StageCounts& counts, bool whole_run) {
+    const DiffReport report = differ_->finish([=](std::string_view) { return whole_run; });
     std::vector<Failure> failures;
     for (const StageResult& stage : report.stages) {
         if (stage.failed()) {

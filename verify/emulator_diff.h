@@ -24,8 +24,9 @@ class EmulatorDiff {
     EmulatorDiff& operator=(const EmulatorDiff&) = delete;
 
     reference::StageObserver& observer() { return *differ_; }
-    /// Closes the books: counts, and one failure for every stage that differs.
-    std::vector<Failure> finish(StageCounts& counts);
+    /// Closes the books: counts, and one failure for every stage that differs or, where the run
+    /// was not cut short, is missing.
+    std::vector<Failure> finish(StageCounts& counts, bool whole_run);
 
  private:
     std::filesystem::path folder_;

@@ -159,6 +159,12 @@ class SceneVerification {
         } catch (const reference::Error& error) {
             // What had been seen until then leads: it may well be the reason.
             out.failures = checker.failures();
+            if (emulator) {
+                // Where it parted from the emulator comes before what came of it.
+                for (Failure& difference : emulator->finish(out.stages, false)) {
+                    out.failures.push_back(std::move(difference));
+                }
+            }
             Failure failure;
             failure.invariant = "error";
             failure.stage = "render";
@@ -172,7 +178,7 @@ class SceneVerification {
         out.counts = checker.counts();
         out.rays = recording.living_rays();
         if (emulator) {
-            for (Failure& difference : emulator->finish(out.stages)) {
+            for (Failure& difference : emulator->finish(out.stages, true)) {
                 if (!stage_matches(settings_.stage_pattern, difference.stage)) continue;
                 out.failures.push_back(std::move(difference));
                 ++out.counts.failures;

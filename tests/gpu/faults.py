@@ -69,16 +69,13 @@ def run(out, scotty):
         found = os.path.join(out, fault["name"], "capture")
         ran = subprocess.run([program, "run", os.path.join(expected, "input"), "-o", found],
                              capture_output=True, text=True, check=False)
-        if ran.returncode != 0:
-            first = ran.stderr.strip()
-            caught = re.search(fault["first"], first) is not None
-        else:
-            diff = subprocess.run([scotty, "diff", expected, found, "--json"],
-                                  capture_output=True, text=True, check=False)
-            report = json.loads(diff.stdout)
-            divergence = report["first_divergence"] or {"stage": "nothing differs", "what": ""}
+        diff = subprocess.run([scotty, "diff", expected, found, "--json"], capture_output=True, text=True, check=False)
+        if diff.stdout:
+            divergence = json.loads(diff.stdout)["first_divergence"] or {"stage": "nothing differs", "what": ""}
             first = f"launch {divergence.get('launch')} {divergence['stage']}: {divergence['what']}"
             caught = diff.returncode == 1 and re.fullmatch(fault["first"], divergence["stage"]) is not None
+        else:
+            first, caught = ran.stderr.strip() + diff.stderr.strip(), False
         escaped += not caught
         print(f"{'caught' if caught else 'ESCAPED':<8} {fault['name']:<28} {fault['file']:<28} {first}", flush=True)
     sys.exit(1 if escaped else 0)

@@ -104,8 +104,19 @@ int run(const RunOptions& options) {
         verify::CaptureWriter writer(
             options.capture, verify::header_of("cuda", input.scene, input.bvh, input.parameters),
             options.stages);
-        image =
-            gpu::make_pipeline(input.scene, input.bvh, input.parameters, device, &writer)->render();
+        const auto pipeline =
+            gpu::make_pipeline(input.scene, input.bvh, input.parameters, device, &writer);
+        try {
+            image = pipeline->render();
+        } catch (const reference::Error&) {
+            // What was captured until then is what tells why.
+            verify::write_pipeline_input(writer.input_folder(), input.scene, input.bvh,
+                                         input.parameters);
+            writer.finish();
+            std::fprintf(stderr, "scotty-gpu: %s holds the %zu stages until the error\n",
+                         options.capture.c_str(), writer.stage_count());
+            throw;
+        }
         if (!options.hashes_only) {
             verify::write_pipeline_input(writer.input_folder(), input.scene, input.bvh,
                                          input.parameters);
