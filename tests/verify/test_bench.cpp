@@ -4,6 +4,7 @@
 #include "reference/error.h"
 #include "scenes/scenes.h"
 #include "verify/bench.h"
+#include "verify/bench_simt.h"
 #include "verify/options.h"
 
 namespace {
@@ -43,6 +44,27 @@ TEST_CASE("bench: both tracers get the living rays of every traversal", "[verify
     CHECK(report.all.emulator_seconds == ours);
     CHECK(to_json(report)["ratio_to_embree"].get<double>() == report.all.ratio());
     CHECK(report.device_bytes > 16u * 8 * 32);
+}
+
+TEST_CASE("bench: the CUDA text on the CPU is timed beside the emulator, stage by stage",
+          "[verify][bench]") {
+    verify::BenchSettings settings;
+    settings.parameters.image_width = 16;
+    settings.parameters.image_height = 8;
+    settings.parameters.spp = 1;
+    settings.repeats = 2;
+    const verify::SimtBenchReport report = bench_simt(scenes::load_scene("cornell"), settings);
+    CHECK(report.render.emulator_seconds > 0.0);
+    CHECK(report.render.simt_seconds > 0.0);
+    CHECK(report.stages.size() == 10);
+    double parts = 0.0;
+    for (const verify::SimtBenchPart& part : report.stages) {
+        CHECK(part.simt_seconds > 0.0);
+        parts += part.simt_seconds;
+    }
+    CHECK(parts <= report.render.simt_seconds);
+    CHECK(to_json(report)["ratio_to_emulator"].get<double>() == report.render.ratio());
+    CHECK_THAT(table(report), Contains("whole render") && Contains("intersect_root"));
 }
 
 TEST_CASE("options: a size is two numbers around an x", "[verify][options]") {

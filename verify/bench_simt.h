@@ -1,0 +1,36 @@
+/// What it costs to run the CUDA text on a CPU, thread by thread, beside the emulator's own
+/// kernels.
+#pragma once
+
+#include "verify/bench.h"
+
+namespace scotty::verify {
+
+struct SimtBenchPart {
+    std::string name;
+    double emulator_seconds = 0.0;
+    double simt_seconds = 0.0;
+
+    double ratio() const { return simt_seconds / emulator_seconds; }
+};
+
+/// Both are timed launch by launch; the parts are of each one's median render.
+struct SimtBenchReport {
+    std::string scene;
+    std::uint64_t triangles = 0;
+    reference::PipelineParameters parameters;
+    std::size_t threads = 0;
+    int repeats = 0;
+    SimtBenchPart render;               ///< a whole render, nobody watching
+    std::vector<SimtBenchPart> stages;  ///< by kind, the slowest first
+};
+
+/// Renders with both by turns: the same scene, parameters, threads and machine.
+/// Throws internal where their pictures differ in a bit.
+SimtBenchReport bench_simt(const reference::Scene& scene, const BenchSettings& settings);
+
+std::string table(const SimtBenchReport& report);
+/// Key "ratio_to_emulator": seconds of the executor over the emulator's, whole renders.
+nlohmann::json to_json(const SimtBenchReport& report);
+
+}  // namespace scotty::verify
