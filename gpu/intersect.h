@@ -31,7 +31,7 @@ struct BlockWork {
 
 /// Smallest side of a square that holds `blocks`.
 SCOTTY_DEVICE std::uint32_t side_of_grid(std::uint32_t blocks) {
-    std::uint32_t side = static_cast<std::uint32_t>(sqrtf(static_cast<float>(blocks)));
+    auto side = static_cast<std::uint32_t>(sqrtf(static_cast<float>(blocks)));
     while (side > 0 && static_cast<std::uint64_t>(side - 1) * (side - 1) >= blocks) --side;
     while (static_cast<std::uint64_t>(side) * side < blocks) ++side;
     return side;
@@ -155,9 +155,8 @@ intersect_leaf(const reference::Leaf& leaf, const reference::LeafTriangle* trian
     reference::Hit best = reference::no_hit();
     for (std::uint32_t done = 0; done < leaf.count; done += kLeafChunk) {
         const std::uint32_t chunk = leaf.count - done < kLeafChunk ? leaf.count - done : kLeafChunk;
-        const std::uint32_t* from =
-            reinterpret_cast<const std::uint32_t*>(triangles + leaf.first + done);
-        std::uint32_t* to = reinterpret_cast<std::uint32_t*>(shared.triangles);
+        const auto* from = reinterpret_cast<const std::uint32_t*>(triangles + leaf.first + done);
+        auto* to = reinterpret_cast<std::uint32_t*>(shared.triangles);
         for (std::uint32_t word = thread_index(); word < chunk * kWords; word += block_size()) {
             to[word] = from[word];
         }
@@ -183,8 +182,8 @@ template <int Width>
 SCOTTY_DEVICE void load_node(const reference::WideNode<Width>& node,
                              IntersectShared<Width>& shared) {
     constexpr std::uint32_t kWords = sizeof(reference::WideNode<Width>) / 4;
-    const std::uint32_t* from = reinterpret_cast<const std::uint32_t*>(&node);
-    std::uint32_t* to = reinterpret_cast<std::uint32_t*>(&shared.node);
+    const auto* from = reinterpret_cast<const std::uint32_t*>(&node);
+    auto* to = reinterpret_cast<std::uint32_t*>(&shared.node);
     for (std::uint32_t word = thread_index(); word < kWords; word += block_size()) {
         to[word] = from[word];
     }
