@@ -17,11 +17,11 @@ TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))
 EXACT = "--fmad=false --ftz=false --prec-div=true --prec-sqrt=true -diag-suppress=20012 -Xcompiler=-ffp-contract=off"
 
 # What every run shares; a fault may add to it.
-RUN = "spheres --size 45x37 --spp 2 --bounces 1 --light-samples 2 --width 8 --rays-per-block 64 --early-out level"
+RUN = "spheres --size 45x37 --spp 2 --bounces 1 --light-samples 2 --width 8 --early-out level"
 
 
 def capture_folder(fault):
-    return re.sub(r"[^a-z]+", "_", "emulator" + fault.get("run", ""))
+    return re.sub(r"[^a-z0-9]+", "_", "emulator" + fault.get("run", ""))
 
 
 def load():
@@ -65,7 +65,7 @@ def run(out, scotty):
             continue
         expected = os.path.join(out, capture_folder(fault))
         if not os.path.exists(expected):
-            subprocess.run([scotty, "capture", *RUN.split(), *fault.get("run", "").split(), "-o", expected], check=True)
+            subprocess.run([scotty, "capture", *RUN.split(), *fault.get("run", "--rays-per-block 64").split(), "-o", expected], check=True)
         found = os.path.join(out, fault["name"], "capture")
         ran = subprocess.run([program, "run", os.path.join(expected, "input"), "-o", found],
                              capture_output=True, text=True, check=False)

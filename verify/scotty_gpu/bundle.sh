@@ -48,8 +48,7 @@ run_bundle() {
 
 check_bundle() {
     local scotty=$1 folder=$2 capture scene width block early mode good=0 bad=0
-    local mine
-    mine=$(mktemp -d)
+    mine=$(mktemp -d) # not local: the trap outlives the function
     trap 'rm -rf "$mine"' EXIT
     [[ -d $folder/captures ]] || { echo "$folder has no captures: run bundle.sh run on the machine with the GPU" >&2; exit 2; }
     for capture in "$folder"/captures/*; do
