@@ -25,6 +25,7 @@ void BlockRunner::enter(const Launch& launch, std::uint32_t block) {
     context.returns = returns_.data();
     context.arena = &arena_;
     context.shared = &shared_;
+    context.kernel = launch.kernel;
     context.observer = launch.observer;
 }
 
@@ -41,13 +42,16 @@ void BlockRunner::run(const Launch& launch, std::uint32_t block, ScheduleKind or
             run_phase<false>(launch);
         }
     } catch (const LaunchError&) {
+        context.kernel = nullptr;
         throw;
     } catch (...) {
+        context.kernel = nullptr;
         fail_thread(launch);
     }
     SCOTTY_ASSERT(context.started, ==, launch.threads);
     SCOTTY_ASSERT(context.finished, ==, launch.threads);
     threads_run_ += context.finished;
+    context.kernel = nullptr;
 }
 
 template <bool First>

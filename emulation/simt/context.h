@@ -55,6 +55,7 @@ struct Context {
     std::uint32_t finished = 0;
     FrameArena* arena = nullptr;
     SharedMemory* shared = nullptr;
+    const char* kernel = nullptr;  ///< null while none runs
     AccessObserver* observer = nullptr;
 };
 

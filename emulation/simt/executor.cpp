@@ -7,12 +7,16 @@
 #include <numeric>
 #include <string>
 
+#include "emulation/simt/crash_report.h"
+
 namespace scotty::emulation::simt {
 
 Executor::Executor(const SimtOptions& options)
     : options_(options),
       arena_(options.threads == 0 ? oneapi::tbb::task_arena::automatic
-                                  : static_cast<int>(options.threads)) {}
+                                  : static_cast<int>(options.threads)) {
+    report_crashes();
+}
 
 void Executor::run(Launch& launch) {
     if (launch.blocks == 0 || launch.threads == 0 || launch.threads > kMaxThreads) {

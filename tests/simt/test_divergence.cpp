@@ -1,4 +1,8 @@
 /// Threads that do not meet, and threads that fail: each is an error that names them.
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
 #include <stdexcept>
 
 #include "emulation/simt/cuda/cuda_runtime.h"
@@ -96,6 +100,10 @@ SCOTTY_COLLECTIVE(void) assert_small(std::uint32_t value) {
     SCOTTY_RETURN;
 }
 SCOTTY_KERNEL(asserts)() { SCOTTY_AWAIT(assert_small(thread_index())); }
+SCOTTY_KERNEL(writes_nowhere)(volatile std::uint32_t* nowhere) {
+    SCOTTY_SYNC();
+    if (block_index() == 2 && thread_index() == 33) *nowhere = 1;
+}
 SCOTTY_KERNEL(throws_at_once)() {
     if (thread_index() == 5) throw 5;
     SCOTTY_RETURN;
@@ -233,6 +241,36 @@ TEST_CASE("executor: contracts that break in a collective function name kernel a
     const LaunchError odd =
         error_of([] { Executor().launch("throws_at_once", 1, 64, throws_at_once); });
     CHECK_THAT(odd.what(), Contains("thread 5 failed: an exception of unknown type"));
+}
+
+TEST_CASE(
+    "executor: a thread that reaches memory which is not there is named before the process ends",
+    "[simt][failure]") {
+    int ends[2];
+    REQUIRE(pipe(ends) == 0);
+    const pid_t child = fork();
+    REQUIRE(child >= 0);
+    if (child == 0) {
+        dup2(ends[1], STDERR_FILENO);
+        std::signal(SIGSEGV, SIG_DFL);  // as it is outside tests
+        Executor executor({0, ScheduleKind::linear, 0});
+        executor.launch("writes_nowhere", 4, 64, writes_nowhere, nullptr);
+        _exit(0);
+    }
+    close(ends[1]);
+    std::string said;
+    char buffer[256];
+    for (ssize_t size = 0; (size = read(ends[0], buffer, sizeof buffer)) > 0;) {
+        said.append(buffer, static_cast<std::size_t>(size));
+    }
+    close(ends[0]);
+    int status = 0;
+    REQUIRE(waitpid(child, &status, 0) == child);
+    REQUIRE(WIFSIGNALED(status));
+    CHECK(WTERMSIG(status) == SIGSEGV);
+    CHECK(said ==
+          "kernel writes_nowhere, block 2 (64 threads): thread 33 reached memory that is not "
+          "there\n");
 }
 
 TEST_CASE("executor: thread lists are short", "[simt]") {

@@ -1,0 +1,108 @@
+#!/usr/bin/env python3
+"""Planted faults in the CUDA text, caught without a GPU, and the right launch, or kernel and threads, named.
+
+  faults.py BUILD OUT [NAME...]   plants each fault of tests/gpu/faults.json and tests/simt/faults.json, builds scotty with
+                                  it, captures with --backend simt, diffs; prints a table; 1 if one escapes
+
+A fault is a replacement in one file of gpu/ that has to match once, so that it cannot rot unseen. `first` is the
+launch that the diff has to name first, `error` what the executor has to say, as regular expressions; `missed` why a
+fault may pass unseen here.
+"""
+import json
+import os
+import re
+import shlex
+import subprocess
+import sys
+
+TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+RUN = "spheres --size 45x37 --spp 2 --bounces 1 --light-samples 2 --width 8 --early-out level"
+
+
+def load():
+    """Faults of the GPU's list too; what tests/simt/ says of one of them holds here."""
+    faults = {}
+    for name in ("tests/gpu/faults.json", "tests/simt/faults.json"):
+        with open(os.path.join(TOP, name), encoding="utf-8") as file:
+            for fault in json.load(file):
+                faults.setdefault(fault["name"], {}).update(fault)
+    return faults.values()
+
+
+def run_of(fault):
+    return fault.get("run", "--rays-per-block 64")
+
+
+def plant(fault, folder):
+    """The faulty file, in a tree that the compiler looks into first."""
+    with open(os.path.join(TOP, fault["file"]), encoding="utf-8") as file:
+        text = file.read()
+    if text.count(fault["find"]) != 1:
+        sys.exit(f"{fault['name']}: found {text.count(fault['find'])} times in {fault['file']}: {fault['find']}")
+    os.makedirs(os.path.join(folder, "gpu"), exist_ok=True)
+    with open(os.path.join(folder, fault["file"]), "w", encoding="utf-8") as file:
+        file.write(text.replace(fault["find"], fault["replace"]))
+
+
+def build_scotty(build, folder, units):
+    """The build's own commands for the units and the link, with the faulty tree first and another output."""
+    with open(os.path.join(build, "compile_commands.json"), encoding="utf-8") as file:
+        commands = {entry["file"]: entry["command"] for entry in json.load(file)}
+    objects = []
+    for unit in units:
+        command = shlex.split(commands[os.path.join(TOP, f"verify/simt/{unit}.cpp")])
+        target = os.path.join(folder, unit + ".o")
+        command[command.index("-o") + 1] = target
+        compiler = next(i for i, word in enumerate(command) if word.endswith("++"))
+        subprocess.run([command[compiler], "-I", folder, *command[compiler + 1:]], cwd=build, check=True)
+        objects.append(target)
+    link = subprocess.run(["ninja", "-C", build, "-t", "commands", "-s", "bin/scotty"],
+                          capture_output=True, text=True, check=True).stdout.splitlines()[-1]
+    scotty = os.path.join(folder, "scotty")
+    first_library = re.search(r" (\S*libscotty\S*\.a)", link)
+    link = link[:first_library.start()] + " " + " ".join(map(shlex.quote, objects)) + link[first_library.start():]
+    subprocess.run(re.sub(r"-o \S*bin/scotty", "-o " + shlex.quote(scotty), link), shell=True, cwd=build, check=True)
+    return scotty
+
+
+def try_fault(fault, build, out):
+    """What was said first, and whether that is what should have been."""
+    folder = os.path.join(out, fault["name"])
+    plant(fault, folder)
+    faulty = build_scotty(build, folder, fault["units"])
+    scotty = os.path.join(build, "bin/scotty")
+    expected = os.path.join(out, re.sub(r"[^a-z0-9]+", "_", "emulator " + run_of(fault)))
+    what = [*RUN.split(), *run_of(fault).split()]
+    if not os.path.exists(expected):
+        subprocess.run([scotty, "capture", *what, "-o", expected], check=True, capture_output=True)
+    found = os.path.join(folder, "capture")
+    subprocess.run(["rm", "-rf", found], check=True)
+    ran = subprocess.run([faulty, "capture", *what, "--backend", "simt", "-o", found],
+                         capture_output=True, text=True, check=False)
+    if ran.returncode != 0:
+        said = (ran.stderr.strip() or "nothing").splitlines()[-1]
+        said = said.replace(folder + "/", "").replace(TOP + "/", "")
+        return said, re.search(fault.get("error", fault.get("first", "")), said) is not None
+    diff = subprocess.run([scotty, "diff", expected, found, "--json"], capture_output=True, text=True, check=False)
+    divergence = json.loads(diff.stdout)["first_divergence"] or {"stage": "nothing differs", "what": ""}
+    said = f"launch {divergence.get('launch')} {divergence['stage']}: {divergence['what']}"
+    return said, "first" in fault and re.fullmatch(fault["first"], divergence["stage"]) is not None
+
+
+def main(build, out, names):
+    escaped = 0
+    for fault in load():
+        if names and fault["name"] not in names:
+            continue
+        said, caught = try_fault(fault, os.path.abspath(build), os.path.abspath(out))
+        verdict = "caught" if caught else "missed" if "missed" in fault else "ESCAPED"
+        escaped += verdict == "ESCAPED"
+        said = said if caught else fault.get("missed", said)
+        print(f"{verdict:<8} {fault['name']:<30} {fault['file']:<26} {said}", flush=True)
+    sys.exit(1 if escaped else 0)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 3:
+        sys.exit(__doc__)
+    main(sys.argv[1], sys.argv[2], sys.argv[3:])
