@@ -30,7 +30,7 @@ class EmbreeTracer {
     /// [t_min, t_max); dead rays give no_hit().
     void closest(std::span<const Ray> rays, std::span<Hit> hits) const;
     /// 1 where something is hit in [t_min, t_max), else 0.
-    void occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded) const;
+    void occluded(std::span<const Ray> rays, std::span<std::uint8_t> results) const;
     Hit closest(const Ray& ray) const;
     bool occluded(const Ray& ray) const;
 

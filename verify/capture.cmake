@@ -6,5 +6,6 @@ set(SCOTTY_CAPTURE_SOURCES
 list(TRANSFORM SCOTTY_CAPTURE_SOURCES PREPEND ${CMAKE_CURRENT_LIST_DIR}/)
 
 scotty_library(capture ${SCOTTY_CAPTURE_SOURCES})
+scotty_unity(scotty_capture)
 target_link_libraries(scotty_capture PUBLIC scotty::records nlohmann_json::nlohmann_json
                       PRIVATE fmt::fmt-header-only)

@@ -1,6 +1,7 @@
 /// scotty diff: two captures, or a capture and a fresh run, launch by launch.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -8,7 +9,9 @@
 #include "verify/command.h"
 #include "verify/diff.h"
 #include "verify/options.h"
+#include "verify/pipeline_input.h"
 #include "verify/replay.h"
+#include "verify/temporary_capture.h"
 
 namespace scotty::verify {
 namespace {
@@ -17,15 +20,82 @@ using reference::Error;
 
 struct DiffCommand {
     std::string a, b;
-    std::string backend;
+    std::string backend, backends;
     std::vector<std::string> stages;
     bool isolated = false;
     reference::Arithmetic arithmetic = reference::Arithmetic::exact;
     bool json = false;
     std::size_t threads = 0;
+    reference::PipelineParameters parameters;  ///< of --backends on a scene
 };
 
+bool is_backend(const std::string& name) {
+    const auto& names = backend_names();
+    return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+PipelineInput input_of_scene(const DiffCommand& options) {
+    if (options.a.empty()) {
+        throw Error::bad_input(
+            "--backends",
+            "expected a scene for both to run: scotty diff --backends emulator,simt coil");
+    }
+    PipelineInput input;
+    input.scene = load_scene_argument(options.a);
+    input.parameters = options.parameters;
+    input.bvh = build_wide_bvh(
+        input.scene, {input.parameters.width, input.parameters.max_leaf_size, options.threads});
+    return input;
+}
+
+std::string rerun_command(const DiffCommand& options) {
+    if (options.a.empty()) return fmt::format("scotty diff --backends {}", options.backends);
+    const reference::PipelineParameters& p = options.parameters;
+    std::string pipeline = Configuration{p}.options();
+    pipeline.erase(pipeline.find(" --schedule"));  // free: what is compared does not depend on it
+    return fmt::format(
+        "scotty diff --backends {} '{}' --size {}x{} --spp {} --bounces {} --light-samples {} "
+        "--seed {} --leaf-size {} {}",
+        options.backends, options.a, p.image_width, p.image_height, p.spp, p.bounces,
+        p.light_samples, p.seed, p.max_leaf_size, pipeline);
+}
+
+/// Two back ends on a scene, or a back end and a capture, whose input it runs.
+DiffReport compare_backends(const DiffCommand& options, DiffOptions diff) {
+    const std::vector<std::string> pair = split_list("--backends", options.backends);
+    if (pair.size() != 2 || (!is_backend(pair[0]) && !is_backend(pair[1]))) {
+        throw Error::bad_input(
+            "--backends",
+            fmt::format("expected two of {}, one of them perhaps a capture, found '{}'",
+                        fmt::join(backend_names(), ", "), options.backends));
+    }
+    diff.rerun = rerun_command(options);
+    if (!is_backend(pair[0]) || !is_backend(pair[1])) {
+        const bool capture_first = !is_backend(pair[0]);
+        const Capture capture = Capture::open(pair[capture_first ? 0 : 1]);
+        const Backend backend = backend_named(pair[capture_first ? 1 : 0], options.threads);
+        if (options.isolated) return diff_isolated(capture, backend, std::move(diff));
+        if (capture_first) return diff_with_run(capture, backend, std::move(diff));
+        const TemporaryCapture run(backend, read_pipeline_input(capture.directory()));
+        return diff_captures(run.get(), capture, std::move(diff));
+    }
+    const Backend a = backend_named(pair[0], options.threads);
+    const Backend b = backend_named(pair[1], options.threads);
+    diff.b_arithmetic = options.arithmetic;
+    const TemporaryCapture run(a, input_of_scene(options));
+    return options.isolated ? diff_isolated(run.get(), b, std::move(diff))
+                            : diff_with_run(run.get(), b, std::move(diff));
+}
+
 DiffReport compare(const DiffCommand& options) {
+    if (!options.backends.empty()) {
+        DiffOptions diff;
+        diff.patterns = options.stages;
+        return compare_backends(options, std::move(diff));
+    }
+    if (options.a.empty()) {
+        throw Error::bad_input("scotty diff", "expected a capture, or --backends and a scene");
+    }
     const Capture a = Capture::open(options.a);
     DiffOptions diff;
     diff.patterns = options.stages;
@@ -70,14 +140,23 @@ void add_diff_command(CLI::App& app, Action& action) {
         "  scotty diff coil.cuda --isolated            (each stage alone, on the capture's "
         "inputs:\n"
         "                                               tells a wrong kernel from wrong data)\n"
+        "  scotty diff --backends emulator,simt coil --size 32x24 --width 4\n"
+        "  scotty diff --backends simt,coil.cuda --isolated\n"
         "  scotty diff A B --stages '*/intersect' --json\n\n"
         "Verdicts: identical, reordered (where the order is free), differs. Exit code 1 where\n"
         "anything differs, is missing on one side, or is not finite.");
     auto options = std::make_shared<DiffCommand>();
-    command->add_option("a", options->a, "a capture: what is expected")->required();
+    options->parameters.image_width = 64;
+    options->parameters.image_height = 64;
+    options->parameters.spp = 1;
+    command->add_option("a", options->a, "a capture: what is expected; with --backends: a scene");
     command->add_option("b", options->b, "another capture; none: --backend runs");
     command->add_option("--backend", options->backend,
                         "emulator, simt or cuda: who runs the pipeline [emulator]");
+    command
+        ->add_option("--backends", options->backends,
+                     "two back ends that run a scene, or a back end and a capture")
+        ->type_name("A,B");
     command->add_flag("--isolated", options->isolated, "each stage alone, on A's inputs");
     command
         ->add_option_function<std::string>(
@@ -91,6 +170,8 @@ void add_diff_command(CLI::App& app, Action& action) {
         ->type_name("PATTERN");
     command->add_flag("--json", options->json, "the result as JSON");
     add_thread_option(*command, options->threads);
+    add_picture_options(*command, options->parameters);
+    add_pipeline_options(*command, options->parameters);
     command->callback([&action, options] { action = [options] { return run_diff(*options); }; });
 }
 

@@ -289,6 +289,9 @@ class Differ::State {
     }
 
     std::string replay_command(const std::string& stage) const {
+        if (!options_.rerun.empty()) {
+            return fmt::format("{} --isolated --stages '{}'", options_.rerun, stage);
+        }
         return fmt::format("scotty replay {} --stage {} --backend {}", a_.directory().string(),
                            stage, options_.b_backend);
     }

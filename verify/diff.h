@@ -102,6 +102,8 @@ struct DiffOptions {
     bool isolated = false;
     /// B's, where it is not A's.
     reference::Arithmetic b_arithmetic = reference::Arithmetic::exact;
+    /// Where A goes with the command: what to run again instead of replaying a stage of A.
+    std::string rerun;
 };
 
 /// Compares stages with a capture's as they come.

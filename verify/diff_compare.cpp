@@ -16,12 +16,6 @@ using reference::BufferView;
 
 namespace {
 
-std::uint32_t word_at(const BufferView& buffer, std::size_t index) {
-    std::uint32_t word = 0;
-    std::memcpy(&word, static_cast<const std::byte*>(buffer.data) + 4 * index, sizeof word);
-    return word;
-}
-
 bool same_bytes(const BufferView& a, const BufferView& b) {
     return a.bytes == b.bytes && (a.bytes == 0 || std::memcmp(a.data, b.data, a.bytes) == 0);
 }

@@ -19,12 +19,6 @@ using reference::StageView;
 
 namespace {
 
-std::uint32_t word_at(const BufferView& buffer, std::size_t index) {
-    std::uint32_t word = 0;
-    std::memcpy(&word, static_cast<const std::byte*>(buffer.data) + 4 * index, sizeof word);
-    return word;
-}
-
 bool is_positive_infinity(std::uint32_t bits) { return bits == 0x7f800000u; }
 
 /// Whether +infinity has a meaning in that field of that row.

@@ -1,6 +1,7 @@
 /// Shared by the parts of the diff (diff*.cpp).
 #pragma once
 
+#include <cstring>
 #include <map>
 #include <memory>
 #include <optional>
@@ -34,6 +35,13 @@ const Layout& layout_of(std::string_view buffer);
 std::string value_text(std::uint32_t bits, bool is_float);
 /// Floats between two: 0 for equal ones, 1 for neighbours, +0 and -0 one apart. None with a NaN.
 std::optional<std::uint64_t> ulps_between(std::uint32_t a, std::uint32_t b);
+
+/// The 4-byte word at an index, as it lies there.
+inline std::uint32_t word_at(const reference::BufferView& buffer, std::size_t index) {
+    std::uint32_t word = 0;
+    std::memcpy(&word, static_cast<const std::byte*>(buffer.data) + 4 * index, sizeof word);
+    return word;
+}
 
 /// Two versions of one buffer.
 struct BufferPair {

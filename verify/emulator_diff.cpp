@@ -1,25 +1,14 @@
 #include "verify/emulator_diff.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <atomic>
-#include <system_error>
 #include <utility>
 
 #include "verify/backend.h"
-#include "verify/capture_writer.h"
 
 namespace scotty::verify {
 
-namespace fs = std::filesystem;
-
 namespace {
-
-fs::path temporary_folder() {
-    static std::atomic<int> made{0};
-    return fs::temp_directory_path() / fmt::format("scotty-{}-{}", getpid(), made++);
-}
 
 DiffOptions options_for(const std::string& backend) {
     DiffOptions options;
@@ -52,25 +41,11 @@ Failure to_failure(const StageResult& stage, const std::string& backend) {
 
 EmulatorDiff::EmulatorDiff(const PipelineInput& input, std::size_t threads,
                            const std::string& backend)
-    : folder_(temporary_folder()) {
-    {
-        CaptureWriter writer(folder_,
-                             header_of("emulator", input.scene, input.bvh, input.parameters));
-        write_pipeline_input(writer.input_folder(), input.scene, input.bvh, input.parameters);
-        backend_named("emulator", threads).render(input, &writer);
-        writer.finish();
-    }
-    capture_.emplace(Capture::open(folder_));
-    differ_.emplace(*capture_, options_for(backend));
-}
-
-EmulatorDiff::~EmulatorDiff() {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-}
+    : expected_(backend_named("emulator", threads), input),
+      differ_(expected_.get(), options_for(backend)) {}
 
 std::vector<Failure> EmulatorDiff::finish(StageCounts& counts, bool whole_run) {
-    const DiffReport report = differ_->finish([=](std::string_view) { return whole_run; });
+    const DiffReport report = differ_.finish([=](std::string_view) { return whole_run; });
     std::vector<Failure> failures;
     for (const StageResult& stage : report.stages) {
         if (stage.failed()) {

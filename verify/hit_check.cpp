@@ -29,7 +29,7 @@ std::uint64_t mix(std::uint64_t x) {
     return x ^ (x >> 31);
 }
 
-bool same_bits(const Hit& a, const Hit& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+bool same_hit(const Hit& a, const Hit& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
 Failure hit_failure(const char* tag, const TraversalRecord& traversal, std::size_t path,
                     std::uint32_t spp, std::string sentence) {
@@ -65,7 +65,7 @@ class Check {
         result_.brute_force_rays += rays.size();
         for (std::size_t k = 0; k < rays.size(); ++k) {
             const Hit& ours = traversal.hits[paths[k]];
-            if (same_bits(ours, truth[k])) continue;
+            if (same_hit(ours, truth[k])) continue;
             Failure failure = hit_failure("brute-force", traversal, paths[k], spp_,
                                           "not the hit that testing every triangle gives");
             failure.expected = exact(truth[k]);

@@ -14,12 +14,6 @@ using reference::BufferView;
 
 namespace {
 
-std::uint32_t word_at(const BufferView& buffer, std::size_t index) {
-    std::uint32_t word = 0;
-    std::memcpy(&word, static_cast<const std::byte*>(buffer.data) + 4 * index, sizeof word);
-    return word;
-}
-
 const Tolerance& tolerance_of(std::string_view buffer) {
     static const Tolerance exact;
     const auto found = std::find_if(tolerances().begin(), tolerances().end(),
@@ -61,8 +55,8 @@ std::vector<double> scales_of(const BufferView& buffer, const Layout& layout) {
 /// Zero for equal ones, infinite where one is not finite or the field is no float.
 double error_between(std::uint32_t a, std::uint32_t b, bool is_float, double scale) {
     if (a == b) return 0.0;
-    const double x = static_cast<double>(std::bit_cast<float>(a));
-    const double y = static_cast<double>(std::bit_cast<float>(b));
+    const auto x = static_cast<double>(std::bit_cast<float>(a));
+    const auto y = static_cast<double>(std::bit_cast<float>(b));
     if (!is_float || !std::isfinite(x) || !std::isfinite(y)) return HUGE_VAL;
     const double magnitude = std::max({std::abs(x), std::abs(y), 0.01 * scale});
     return magnitude == 0.0 ? 0.0 : std::abs(x - y) / magnitude;

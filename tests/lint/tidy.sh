@@ -2,16 +2,17 @@
 # includes. That takes seconds, so what has passed is remembered: an empty file in the user's cache folder, named by
 # a hash of everything that the verdict depends on. It holds in any checkout and needs no clearing.
 source "$(dirname "$0")/common.sh"
-clang_tidy=$1 build=$2 source=$3
+clang_tidy=$1 build=$2 source=$3 # relative to the top, or a piece of a unity build
 
-entry=$(grep -F " -c $PWD/$source\"" "$build/compile_commands.json") || {
+[[ $source == /* ]] || source=$PWD/$source
+entry=$(grep -F " -c $source\"" "$build/compile_commands.json") || {
     echo "$source is not part of the build: add it to its folder's CMakeLists.txt"
     exit 1
 }
 compiler=$(sed -E 's/.*"command": "//; s/ -o .*//' <<<"$entry")
 # shellcheck disable=SC2086 # the compiler's flags, and the headers of ours that it reads, are words
 {
-    files=$(cd "$build" && $compiler -MM "$OLDPWD/$source" | tr -d '\\\n' | sed 's/^[^:]*://') ||
+    files=$(cd "$build" && $compiler -MM "$source" | tr -d '\\\n' | sed 's/^[^:]*://') ||
         files=$source # does not compile: clang-tidy will say why
     key=$({
         echo "${compiler//"$PWD"/.}"
@@ -25,6 +26,9 @@ cache=${XDG_CACHE_HOME:-${HOME:-$build}/.cache}/cuda-scotty/lint
     exit 0
 }
 
+# A piece of a unity build is nothing but included sources.
+extra=()
+[[ $source != */Unity/* ]] || extra=(--checks=-bugprone-suspicious-include)
 # clang-tidy also counts the findings in system headers that it does not show; nobody wants to know.
-"$clang_tidy" -p "$build" --quiet "$source" 2>&1 | { grep -vE '^[0-9]+ warnings? (generated|treated)' || true; }
+"$clang_tidy" -p "$build" --quiet "$source" "${extra[@]}" 2>&1 | { grep -vE '^[0-9]+ warnings? (generated|treated)' || true; }
 mkdir -p "$cache" && : >"$cache/$key" || true # an unwritable home only costs time

@@ -87,7 +87,7 @@ double lambert(const std::vector<Vec3>& polygon, const Vec3& from, const Vec3& n
     return 0.5 * sum;
 }
 
-const Vec3 kUp(0.0f, 1.0f, 0.0f);
+const Vec3 kUpward(0.0f, 1.0f, 0.0f);
 const Vec3 kDown(0.0f, -1.0f, 0.0f);
 
 /// A square lamp of side 2 at a height, shining down.
@@ -108,15 +108,15 @@ TEST_CASE("direct light: the fall-off follows the form factor at two distances",
         const double r = std::sqrt(1.0 + h * h);
         const double exact = 3.0 * 4.0 / r * std::atan(1.0 / r);
         INFO("height " << h);
-        check_estimate(
-            irradiance(square_above(static_cast<float>(h)), surface_of(Vec3(0.0f), kUp), 1u << 15),
-            exact);
+        check_estimate(irradiance(square_above(static_cast<float>(h)),
+                                  surface_of(Vec3(0.0f), kUpward), 1u << 15),
+                       exact);
     }
 }
 
 TEST_CASE("direct light: parallelograms and triangles agree with Lambert's polygon formula",
           "[reference][light]") {
-    const std::vector<Vec3> normals{kUp, normalize_or(Vec3(0.3f, 1, -0.2f), kUp)};
+    const std::vector<Vec3> normals{kUpward, normalize_or(Vec3(0.3f, 1, -0.2f), kUpward)};
     const Vec3 corner(-0.5f, 1.5f, 0.25f);
     const Vec3 x(1.0f, 0.3f, -0.2f);
     const Vec3 y(0.2f, 0.5f, 1.0f);
@@ -134,7 +134,7 @@ TEST_CASE("direct light: parallelograms and triangles agree with Lambert's polyg
 
 TEST_CASE("direct light: two triangles light as the parallelogram that they make",
           "[reference][light]") {
-    const Surface surface = surface_of(Vec3(0.5f, 0, 0), kUp);
+    const Surface surface = surface_of(Vec3(0.5f, 0, 0), kUpward);
     const Light whole = square_above(1.0f);
     const Vec3 x(2, 0, 0);
     const Vec3 y(0, 0, 2);
@@ -151,10 +151,10 @@ TEST_CASE("direct light: a light shines on its front side only", "[reference][li
     for (const LightKind kind : {LightKind::parallelogram, LightKind::triangle}) {
         Light light = square_above(1.0f);
         light.kind = kind;
-        CHECK(irradiance(light, surface_of(Vec3(0, 0, 0), kUp), 100).mean > 0.0);
+        CHECK(irradiance(light, surface_of(Vec3(0, 0, 0), kUpward), 100).mean > 0.0);
         CHECK(irradiance(light, surface_of(Vec3(0, 2, 0), kDown), 100).mean == 0.0);
         // In its own plane, too, there is nothing to see.
-        CHECK(irradiance(light, surface_of(Vec3(3, 1, 0), kUp), 100).mean == 0.0);
+        CHECK(irradiance(light, surface_of(Vec3(3, 1, 0), kUpward), 100).mean == 0.0);
     }
 }
 
@@ -162,10 +162,10 @@ TEST_CASE("direct light: a light of no area, or at the surface itself, gives bla
           "[reference][light]") {
     const Light flat =
         area_light(LightKind::parallelogram, Vec3(0, 1, 0), Vec3(0.0f), Vec3(1, 0, 0), 1.0f);
-    CHECK(irradiance(flat, surface_of(Vec3(0.0f), kUp), 16).mean == 0.0);
+    CHECK(irradiance(flat, surface_of(Vec3(0.0f), kUpward), 16).mean == 0.0);
     Light point;
     point.radiance = Vec3(1.0f);
-    CHECK(irradiance(point, surface_of(Vec3(0.0f), kUp), 16).mean == 0.0);
+    CHECK(irradiance(point, surface_of(Vec3(0.0f), kUpward), 16).mean == 0.0);
 }
 
 TEST_CASE("direct light: samples lie on the light, just off its front", "[reference][light]") {
@@ -204,8 +204,8 @@ TEST_CASE("direct light: a point light falls off with the square of the distance
     light.radiance = Vec3(8.0f, 4.0f, 2.0f);
     for (const float h : {0.5f, 1.0f, 2.0f, 16.0f}) {
         light.position = Vec3(0, h, 0);
-        const LightSample s = sample_light(light, surface_of(Vec3(0.0f), kUp), 0.3f, 0.6f);
-        CHECK(s.direction == kUp);
+        const LightSample s = sample_light(light, surface_of(Vec3(0.0f), kUpward), 0.3f, 0.6f);
+        CHECK(s.direction == kUpward);
         CHECK(s.distance == h);
         CHECK(s.irradiance == light.radiance / (h * h));
     }
@@ -217,8 +217,8 @@ TEST_CASE("direct light: a directional light comes from infinity at full strengt
     light.kind = LightKind::directional;
     light.normal = kDown;
     light.radiance = Vec3(2.0f);
-    const LightSample s = sample_light(light, surface_of(Vec3(5, 6, 7), kUp), 0.3f, 0.6f);
-    CHECK(s.direction == kUp);
+    const LightSample s = sample_light(light, surface_of(Vec3(5, 6, 7), kUpward), 0.3f, 0.6f);
+    CHECK(s.direction == kUpward);
     CHECK(s.distance == kInfinity);
     CHECK(s.irradiance == light.radiance);
 }
@@ -228,7 +228,7 @@ TEST_CASE("direct light: an even environment gives an open surface pi times its 
     Light light;
     light.kind = LightKind::environment;
     light.radiance = Vec3(0.5f);
-    const Vec3 normal = normalize_or(Vec3(1, 2, -3), kUp);
+    const Vec3 normal = normalize_or(Vec3(1, 2, -3), kUpward);
     // Cosine sampling makes every sample worth the same: no variance.
     const Estimate got = irradiance(light, surface_of(Vec3(0.0f), normal), 1000);
     CHECK(got.mean == Approx(0.5 * M_PI).epsilon(1e-5));
@@ -239,13 +239,13 @@ TEST_CASE("direct light: a hemisphere lights an upright wall half as much as a f
           "[reference][light]") {
     Light light;
     light.kind = LightKind::hemisphere;
-    light.normal = kUp;
+    light.normal = kUpward;
     light.radiance = Vec3(0.5f);
-    const Estimate floor = irradiance(light, surface_of(Vec3(0.0f), kUp), 1000);
+    const Estimate floor = irradiance(light, surface_of(Vec3(0.0f), kUpward), 1000);
     CHECK(floor.mean == Approx(0.5 * M_PI).epsilon(1e-5));
     const Estimate wall = irradiance(light, surface_of(Vec3(0.0f), Vec3(1, 0, 0)), 20000);
     CHECK(std::abs(wall.mean - 0.25 * M_PI) < 5 * wall.error);
-    const Estimate ceiling = irradiance(light, surface_of(Vec3(0.0f), kUp * -1.0f), 1000);
+    const Estimate ceiling = irradiance(light, surface_of(Vec3(0.0f), kUpward * -1.0f), 1000);
     CHECK(ceiling.mean == 0.0);
 }
 

@@ -287,7 +287,7 @@ TEST_CASE("intersect: a leaf's closest hits are brute force's bits, in both hit 
 }
 
 TEST_CASE(
-    "intersect: a full hit buffer is a fault that says how much is needed; a ray that is done is "
+    "intersect: a full hit buffer is a fault that says how much is needed, a ray that is done is "
     "not recorded twice",
     "[simt][kernels]") {
     OneLeaf leaf(65);

@@ -258,4 +258,23 @@ TEST_CASE("bench: has the ratio to Embree, rays by kind and time by stage and le
     CHECK_THAT(text.out, Contains("primary") && Contains("shadow") && Contains("level 1"));
 }
 
+TEST_CASE("scotty diff --backends: two back ends, or one and a capture", "[verify][command]") {
+    const Folder folder;
+    const std::string small = " --size 9x7 --bounces 1 --width 4";
+    const Result two = scotty("diff --backends emulator,simt cornell" + small);
+    CHECK(two.exit_code == 0);
+    CHECK_THAT(two.out, Contains("passed"));
+
+    CHECK(scotty("capture cornell -o '" + folder.file("c") + "'" + small).exit_code == 0);
+    CHECK(scotty("diff --backends simt,'" + folder.file("c") + "'").exit_code == 0);
+    CHECK(scotty("diff --isolated --backends '" + folder.file("c") + "',simt").exit_code == 0);
+
+    const Result nobody = scotty("diff --backends abacus,slide-rule cornell");
+    CHECK(nobody.exit_code == 2);
+    CHECK_THAT(nobody.err, Contains("abacus,slide-rule"));
+    const Result nothing = scotty("diff --backends emulator,simt");
+    CHECK(nothing.exit_code == 2);
+    CHECK_THAT(nothing.err, Contains("expected a scene"));
+}
+
 }  // namespace

@@ -418,7 +418,9 @@ TEST_CASE("diff: stages that only one side was asked for are counted, not failed
     CHECK(report.passed());
     CHECK(report.stages.size() == b.stages().size());
     CHECK(report.not_compared == a.stages().size() - b.stages().size());
-    const DiffReport chosen = diff_captures(a, a, {{"primary_rays"}, "", false});
+    DiffOptions options;
+    options.patterns = {"primary_rays"};
+    const DiffReport chosen = diff_captures(a, a, std::move(options));
     CHECK(chosen.stages.size() == 1);
 }
 

@@ -25,7 +25,7 @@ else
         *) planted=() ;;
     esac
     "$compiler" -x cuda -std=c++20 --cuda-device-only --cuda-gpu-arch=sm_75 -Xclang -target-feature -Xclang +ptx70 \
-        -nocudainc -nocudalib -D__CUDACC__ -DGLM_FORCE_CUDA -DCUDA_VERSION=12000 -Wno-unknown-cuda-version \
+        -nocudainc -nocudalib -D__CUDACC__ -DGLM_FORCE_CUDA -Wno-unknown-cuda-version \
         -D__cpp_impl_coroutine=201902L -O2 -ffp-contract=off -S -I $here/without_toolkit -I. \
         -include $here/written_fma.h "${planted[@]}" -o "$ptx" $here/kernels.cu
 fi
