@@ -70,7 +70,16 @@ int run_capture(const CaptureOptions& options) {
     write_pipeline_input(writer.input_folder(), input.scene, input.bvh, input.parameters);
     if (!options.input_only) {
         ShownObserver shown(progress, writer);
-        backend.render(input, &shown);
+        try {
+            backend.render(input, &shown);
+        } catch (const reference::Error&) {
+            // What was captured until then is what tells why.
+            progress.clear();
+            const std::size_t stages = writer.stage_count();
+            writer.finish();
+            spdlog::warn("{} holds the {} stages until the error", options.output, stages);
+            throw;
+        }
         if (writer.stage_count() == 0) {
             throw reference::Error::bad_input(
                 "--stages",

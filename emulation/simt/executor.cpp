@@ -4,8 +4,10 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
+#include <exception>
 #include <numeric>
 #include <string>
+#include <thread>
 
 #include "emulation/simt/crash_report.h"
 
@@ -36,6 +38,9 @@ void Executor::run(Launch& launch) {
         }
         return;
     }
+#if defined(SCOTTY_PLAIN_THREADS)
+    run_on_plain_threads(launch);
+#else
     // A worker takes about a thousand threads' work at once.
     const std::uint32_t grain = std::max<std::uint32_t>(1, 1024 / launch.threads);
     arena_.execute([&] {
@@ -48,7 +53,34 @@ void Executor::run(Launch& launch) {
                 }
             });
     });
+#endif
 }
+
+#if defined(SCOTTY_PLAIN_THREADS)
+/// The thread sanitizer cannot see how TBB hands work on, but it knows what starting and joining a
+/// thread mean: launches are ordered, blocks of one launch on different threads are not.
+void Executor::run_on_plain_threads(const Launch& launch) {
+    constexpr std::uint32_t kWorkers = 3;
+    std::vector<std::exception_ptr> errors(kWorkers);
+    std::vector<std::thread> workers;
+    for (std::uint32_t worker = 0; worker < kWorkers; ++worker) {
+        workers.emplace_back([&, worker] {
+            try {
+                BlockRunner runner;
+                for (std::uint32_t block = worker; block < launch.blocks; block += kWorkers) {
+                    runner.run(launch, block, ScheduleKind::linear, 0);
+                }
+            } catch (...) {
+                errors[worker] = std::current_exception();
+            }
+        });
+    }
+    for (std::thread& worker : workers) worker.join();
+    for (const std::exception_ptr& error : errors) {
+        if (error) std::rethrow_exception(error);
+    }
+}
+#endif
 
 std::vector<std::uint32_t> Executor::block_order(std::uint32_t blocks) const {
     std::vector<std::uint32_t> order(blocks);

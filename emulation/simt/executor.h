@@ -62,6 +62,7 @@ class Executor {
 
  private:
     void run(Launch& launch);
+    void run_on_plain_threads(const Launch& launch);  ///< under the thread sanitizer
     std::vector<std::uint32_t> block_order(std::uint32_t blocks) const;
 
     SimtOptions options_;
