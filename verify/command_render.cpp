@@ -121,7 +121,7 @@ void add_render_command(CLI::App& app, Action& action) {
     command->add_option("-o,--output", options->output, "the .exr or .png file to write")
         ->required();
     command->add_option("--backend", options->backend, "who traces the rays")
-        ->check(CLI::IsMember({"emulator", "embree", "cuda"}))
+        ->check(CLI::IsMember({"emulator", "embree", "simt", "cuda"}))
         ->capture_default_str();
     command->add_option("--exposure", options->exposure, "PNG: brightness in powers of two")
         ->check(CLI::Range(-64.0f, 64.0f))

@@ -119,7 +119,7 @@ void add_trace_command(CLI::App& app, Action& action) {
     command->add_option("--rays", options->rays, "the .ray file")->required();
     command->add_option("-o,--output", options->output, "the file of hits to write");
     command->add_option("--backend", options->backend, "who traces")
-        ->check(CLI::IsMember({"emulator", "embree", "cuda"}))
+        ->check(CLI::IsMember({"emulator", "embree", "simt", "cuda"}))
         ->capture_default_str();
     command->add_flag("--any", options->any_hit, "ask only whether something is hit");
     command->add_option("--compare", options->reference, "a .ref file to hold the hits against");
