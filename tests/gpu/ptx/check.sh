@@ -13,7 +13,7 @@ trap 'rm -f "$ptx"' EXIT
 if [[ $(basename "$compiler") == nvcc* ]]; then
     case $mode in
         contracted) planted=(--fmad=true) ;;
-        approximate) planted=(--use_fast_math) ;;
+        approximate) planted=(--ftz=true --prec-div=false --prec-sqrt=false) ;; # the last of two flags counts
         *) planted=() ;;
     esac
     "$compiler" -ptx -arch=compute_75 -std=c++20 -diag-suppress=20012 -I. -include $here/written_fma.h "$@" \
