@@ -3,15 +3,8 @@
 
 namespace scotty::gpu::fast {
 
-std::unique_ptr<Pipeline> make_pipeline(const reference::Scene& scene,
-                                        const reference::WideBvh& bvh,
-                                        const reference::PipelineParameters& parameters,
-                                        const PipelineOptions& options,
-                                        reference::StageObserver* observer);
-std::vector<reference::OwnedBuffer> run_stage(const reference::Scene& scene,
-                                              const reference::WideBvh& bvh,
-                                              const reference::PipelineParameters& parameters,
-                                              const reference::StageView& stage);
+MakePipeline make_pipeline;
+RunStage run_stage;
 
 }  // namespace scotty::gpu::fast
 

@@ -3,6 +3,7 @@
 
 #include <cuda_runtime.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -11,6 +12,12 @@
 #include "reference/launch_record.h"
 
 namespace SCOTTY_DEVICE_NAMESPACE {
+
+/// Threads a block of the kernels that take one item (ray, pixel) a thread.
+constexpr std::uint32_t kItemThreads = 256;
+inline std::uint32_t item_blocks(std::size_t items) {
+    return static_cast<std::uint32_t>((items + kItemThreads - 1) / kItemThreads);
+}
 
 class LaunchLog {
  public:

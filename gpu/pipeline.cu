@@ -31,9 +31,7 @@ using reference::Vec3;
 
 namespace {
 
-constexpr std::uint32_t kThreads = 256;
 constexpr std::uint32_t kSmallestBatch = 1024;
-std::uint32_t blocks_for(std::uint32_t items) { return (items + kThreads - 1) / kThreads; }
 
 PipelineParameters checked(const PipelineParameters& parameters) {
     reference::validate(parameters);
@@ -180,9 +178,9 @@ void DevicePipeline::shade_vertex(StagePlace place) {
 }
 
 void DevicePipeline::launch_primary_rays(const StagePlace& place, const BatchView& batch) {
-    log_.run(StageKind::primary_rays, place, blocks_for(batch.pixels), paths_.count(),
+    log_.run(StageKind::primary_rays, place, item_blocks(batch.pixels), paths_.count(),
              stream_.get(), [&] {
-                 SCOTTY_LAUNCH(primary_rays, blocks_for(batch.pixels), kThreads, stream_.get(),
+                 SCOTTY_LAUNCH(primary_rays, item_blocks(batch.pixels), kItemThreads, stream_.get(),
                                batch, scene_.view().camera, path_, paths_.view());
              });
     show(StageKind::primary_rays, place, batch.pixels, {},
@@ -191,8 +189,8 @@ void DevicePipeline::launch_primary_rays(const StagePlace& place, const BatchVie
 
 void DevicePipeline::launch_direct_light(const StagePlace& place) {
     const std::uint32_t count = paths_.count();
-    log_.run(StageKind::direct_light_rays, place, blocks_for(count), count, stream_.get(), [&] {
-        SCOTTY_LAUNCH(direct_light_rays, blocks_for(count), kThreads, stream_.get(), count,
+    log_.run(StageKind::direct_light_rays, place, item_blocks(count), count, stream_.get(), [&] {
+        SCOTTY_LAUNCH(direct_light_rays, item_blocks(count), kItemThreads, stream_.get(), count,
                       scene_.view(), path_, place.bounce, place.light, paths_.view(),
                       paths_.path_hits.data(), paths_.shadow_rays.data());
     });
@@ -202,8 +200,8 @@ void DevicePipeline::launch_direct_light(const StagePlace& place) {
 
 void DevicePipeline::launch_resolve_light(const StagePlace& place) {
     const std::uint32_t count = paths_.count();
-    log_.run(StageKind::resolve_light, place, blocks_for(count), count, stream_.get(), [&] {
-        SCOTTY_LAUNCH(resolve_light, blocks_for(count), kThreads, stream_.get(), count,
+    log_.run(StageKind::resolve_light, place, item_blocks(count), count, stream_.get(), [&] {
+        SCOTTY_LAUNCH(resolve_light, item_blocks(count), kItemThreads, stream_.get(), count,
                       paths_.shadow_rays.data(), paths_.shadow_hits.data(), paths_.view());
     });
     show(StageKind::resolve_light, place, count, {"shadow_rays", "shadow_hits", "potential"},
@@ -212,19 +210,20 @@ void DevicePipeline::launch_resolve_light(const StagePlace& place) {
 
 void DevicePipeline::launch_scene_rays(const StagePlace& place) {
     const std::uint32_t count = paths_.count();
-    log_.run(StageKind::scene_rays, place, blocks_for(count), count, stream_.get(), [&] {
-        SCOTTY_LAUNCH(scene_rays, blocks_for(count), kThreads, stream_.get(), count, scene_.view(),
-                      path_, place.bounce, paths_.path_hits.data(), paths_.view());
+    log_.run(StageKind::scene_rays, place, item_blocks(count), count, stream_.get(), [&] {
+        SCOTTY_LAUNCH(scene_rays, item_blocks(count), kItemThreads, stream_.get(), count,
+                      scene_.view(), path_, place.bounce, paths_.path_hits.data(), paths_.view());
     });
     show(StageKind::scene_rays, place, count, {"path_hits"},
          {"rays", "throughput", "radiance", "flags", "depth"});
 }
 
 void DevicePipeline::launch_reconstruct(const StagePlace& place, const BatchView& batch) {
-    log_.run(StageKind::reconstruct_image, place, blocks_for(batch.pixels), paths_.count(),
+    log_.run(StageKind::reconstruct_image, place, item_blocks(batch.pixels), paths_.count(),
              stream_.get(), [&] {
-                 SCOTTY_LAUNCH(reconstruct_image, blocks_for(batch.pixels), kThreads, stream_.get(),
-                               batch, parameters_.spp, paths_.radiance.data(), paths_.image.data());
+                 SCOTTY_LAUNCH(reconstruct_image, item_blocks(batch.pixels), kItemThreads,
+                               stream_.get(), batch, parameters_.spp, paths_.radiance.data(),
+                               paths_.image.data());
              });
     show(StageKind::reconstruct_image, place, batch.pixels, {"radiance", "pixel"}, {"image"});
 }
@@ -234,16 +233,19 @@ void DevicePipeline::launch_filter() {
     paths_.filtered.resize(pixels, "the filtered image");
     const FilterView view{parameters_.image_width, parameters_.image_height, paths_.image.data(),
                           paths_.filtered.data()};
-    log_.run(StageKind::filter, {}, blocks_for(pixels), pixels, stream_.get(), [&] {
+    log_.run(StageKind::filter, {}, item_blocks(pixels), pixels, stream_.get(), [&] {
         switch (parameters_.filter) {
             case Filter::gaussian:
-                SCOTTY_LAUNCH(filter_gaussian, blocks_for(pixels), kThreads, stream_.get(), view);
+                SCOTTY_LAUNCH(filter_gaussian, item_blocks(pixels), kItemThreads, stream_.get(),
+                              view);
                 break;
             case Filter::bilateral:
-                SCOTTY_LAUNCH(filter_bilateral, blocks_for(pixels), kThreads, stream_.get(), view);
+                SCOTTY_LAUNCH(filter_bilateral, item_blocks(pixels), kItemThreads, stream_.get(),
+                              view);
                 break;
             default:
-                SCOTTY_LAUNCH(filter_median, blocks_for(pixels), kThreads, stream_.get(), view);
+                SCOTTY_LAUNCH(filter_median, item_blocks(pixels), kItemThreads, stream_.get(),
+                              view);
                 break;
         }
     });
@@ -255,7 +257,7 @@ void DevicePipeline::show(StageKind kind, const StagePlace& place, std::uint32_t
                           std::initializer_list<const char*> inputs,
                           std::initializer_list<const char*> outputs) {
     if (!log_.wants(kind)) return;
-    StageView stage = log_.stage(kind, place, blocks_for(threads), kThreads);
+    StageView stage = log_.stage(kind, place, item_blocks(threads), kItemThreads);
     if (kind == StageKind::filter) {
         stage.name = std::string("filter_") + reference::to_string(parameters_.filter);
     }

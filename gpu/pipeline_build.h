@@ -4,17 +4,21 @@
 #include "gpu/dialect.h"
 #include "gpu/pipeline.h"
 
+namespace scotty::gpu {
+
+using MakePipeline = std::unique_ptr<Pipeline>(const reference::Scene&, const reference::WideBvh&,
+                                               const reference::PipelineParameters&,
+                                               const PipelineOptions&, reference::StageObserver*);
+using RunStage = std::vector<reference::OwnedBuffer>(const reference::Scene&,
+                                                     const reference::WideBvh&,
+                                                     const reference::PipelineParameters&,
+                                                     const reference::StageView&);
+
+}  // namespace scotty::gpu
+
 namespace SCOTTY_DEVICE_NAMESPACE {
 
-std::unique_ptr<Pipeline> make_pipeline(const reference::Scene& scene,
-                                        const reference::WideBvh& bvh,
-                                        const reference::PipelineParameters& parameters,
-                                        const PipelineOptions& options,
-                                        reference::StageObserver* observer);
-
-std::vector<reference::OwnedBuffer> run_stage(const reference::Scene& scene,
-                                              const reference::WideBvh& bvh,
-                                              const reference::PipelineParameters& parameters,
-                                              const reference::StageView& stage);
+MakePipeline make_pipeline;
+RunStage run_stage;
 
 }  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -11,6 +11,7 @@
 #include "gpu/filter_median.h"
 #include "gpu/intersect.h"
 #include "gpu/intersect_root.h"
+#include "gpu/launch_log.h"
 #include "gpu/merge_intersections.h"
 #include "gpu/pipeline_build.h"
 #include "gpu/primary_rays.h"
@@ -38,13 +39,8 @@ using reference::Vec3;
 
 namespace {
 
-constexpr std::uint32_t kItemThreads = 256;
 /// More than one a multiprocessor and few enough that blocks take several logical blocks.
 constexpr std::uint32_t kLevelBlocks = 256;
-
-std::uint32_t item_blocks(std::size_t items) {
-    return static_cast<std::uint32_t>((items + kItemThreads - 1) / kItemThreads);
-}
 
 /// One stage's run: scene, buffers, and where the outputs go.
 class StageRun {

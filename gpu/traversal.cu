@@ -20,9 +20,6 @@ using reference::StagePlace;
 
 namespace {
 
-constexpr std::uint32_t kItemThreads = 256;
-std::uint32_t item_blocks(std::uint32_t items) { return (items + kItemThreads - 1) / kItemThreads; }
-
 /// How many blocks of the level kernel the device holds at once.
 template <int Width>
 std::uint32_t resident_blocks(int rays_per_block) {

@@ -106,7 +106,8 @@ void Traversal::show_level(const StagePlace& place, const LevelView& level) {
 void Traversal::show_publish(const StagePlace& place) {
     const auto lowered = download(lowered_.data(), count_, "lowered");
     const auto minimum = download(minimum_.data(), count_, "minimum");
-    StageView stage = log_.stage(StageKind::publish_minimum, place, (count_ + 255) / 256, 256);
+    StageView stage =
+        log_.stage(StageKind::publish_minimum, place, item_blocks(count_), kItemThreads);
     stage.inputs = {
         buffer_view("lowered", std::span<const float>(lowered), "nearest distance found by ray")};
     stage.outputs = {buffer_view("minimum", std::span<const float>(minimum),
@@ -117,7 +118,8 @@ void Traversal::show_publish(const StagePlace& place) {
 void Traversal::show_merge(const StagePlace& place, const reference::Hit* merged) {
     const auto rays = download(rays_, count_, "rays");
     const auto hits = download(merged, count_, "merged");
-    StageView stage = log_.stage(StageKind::merge_intersections, place, (count_ + 255) / 256, 256);
+    StageView stage =
+        log_.stage(StageKind::merge_intersections, place, item_blocks(count_), kItemThreads);
     stage.inputs = {buffer_view("rays", std::span<const reference::Ray>(rays),
                                 "origin, t_min, direction, t_max")};
     std::vector<std::uint64_t> packed;

@@ -270,8 +270,8 @@ class Differ::State {
         // With timing in play, one run may well be done a level earlier than the other; whether it
         // was right to be is for the bounds.
         result.missing = true;
-        const bool may_be = (parameters().early_out == EarlyOut::immediate || tolerant()) &&
-                            is_of_traversal(result.kind);
+        const bool may_be =
+            parameters().early_out == EarlyOut::immediate && is_of_traversal(result.kind);
         result.verdict = may_be ? timing_verdict() : Verdict::differs;
         if (!may_be) {
             StageView view;

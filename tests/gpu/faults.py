@@ -29,18 +29,23 @@ def load():
         return json.load(file)
 
 
+def plant(fault, folder):
+    """The faulty file, in a tree that the compiler looks into first."""
+    with open(os.path.join(TOP, fault["file"]), encoding="utf-8") as file:
+        text = file.read()
+    if text.count(fault["find"]) != 1:
+        sys.exit(f"{fault['name']}: found {text.count(fault['find'])} times in {fault['file']}: {fault['find']}")
+    os.makedirs(os.path.join(folder, "gpu"), exist_ok=True)
+    with open(os.path.join(folder, fault["file"]), "w", encoding="utf-8") as file:
+        file.write(text.replace(fault["find"], fault["replace"]))
+
+
 def build(nvcc, build_folder, out, names):
     for fault in load():
         if names and fault["name"] not in names:
             continue
         folder = os.path.join(out, fault["name"])
-        os.makedirs(os.path.join(folder, "gpu"), exist_ok=True)
-        with open(os.path.join(TOP, fault["file"]), encoding="utf-8") as file:
-            text = file.read()
-        if text.count(fault["find"]) != 1:
-            sys.exit(f"{fault['name']}: found {text.count(fault['find'])} times in {fault['file']}: {fault['find']}")
-        with open(os.path.join(folder, fault["file"]), "w", encoding="utf-8") as file:
-            file.write(text.replace(fault["find"], fault["replace"]))
+        plant(fault, folder)
         objects = []
         for unit in fault["units"]:
             target = os.path.join(folder, unit + ".o")

@@ -3,17 +3,15 @@
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
 #include <iostream>
 
 #include "gpu/parity.h"
 #include "gpu/pipeline.h"
 #include "reference/error.h"
 #include "scenes/scenes.h"
-#include "tests/verify/capture_tools.h"
 #include "verify/backend.h"
-#include "verify/capture_writer.h"
 #include "verify/replay.h"
+#include "verify/temporary_capture.h"
 #include "verify/verify.h"
 
 namespace scotty {
@@ -93,13 +91,8 @@ TEST_CASE("device: every stage alone agrees with the emulator", "[gpu]") {
             p.filter =
                 mode == HitMode::buffer ? reference::Filter::gaussian : reference::Filter::median;
             const verify::PipelineInput input = input_of("spheres", p);
-            const verify::test::TemporaryFolder folder;
-            verify::CaptureWriter writer(folder.path() / "capture",
-                                         verify::header_of("emulator", input.scene, input.bvh, p));
-            verify::write_pipeline_input(writer.input_folder(), input.scene, input.bvh, p);
-            verify::backend_named("emulator", 0).render(input, &writer);
-            writer.finish();
-            const auto capture = verify::Capture::open(folder.path() / "capture");
+            const verify::TemporaryCapture run(verify::backend_named("emulator", 0), input);
+            const verify::Capture& capture = run.get();
             const verify::DiffReport report =
                 verify::diff_isolated(capture, verify::backend_named("cuda", 0), {});
             INFO(to_text(report));
@@ -133,13 +126,8 @@ TEST_CASE("device: fast arithmetic stays within its tolerances", "[gpu]") {
     if (no_device()) return;
     PipelineParameters p = small();
     const verify::PipelineInput input = input_of("spheres", p);
-    const verify::test::TemporaryFolder folder;
-    verify::CaptureWriter writer(folder.path() / "capture",
-                                 verify::header_of("emulator", input.scene, input.bvh, p));
-    verify::write_pipeline_input(writer.input_folder(), input.scene, input.bvh, p);
-    verify::backend_named("emulator", 0).render(input, &writer);
-    writer.finish();
-    const auto capture = verify::Capture::open(folder.path() / "capture");
+    const verify::TemporaryCapture run(verify::backend_named("emulator", 0), input);
+    const verify::Capture& capture = run.get();
     verify::DiffOptions options;
     options.b_arithmetic = reference::Arithmetic::fast;
     const verify::DiffReport alone =

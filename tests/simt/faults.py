@@ -15,8 +15,12 @@ import shlex
 import subprocess
 import sys
 
-TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-RUN = "spheres --size 45x37 --spp 2 --bounces 1 --light-samples 2 --width 8 --early-out level"
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "gpu"))
+sys.dont_write_bytecode = True
+import faults as on_gpu  # tests/gpu/faults.py
+
+TOP = on_gpu.TOP
+RUN = on_gpu.RUN
 
 
 def load():
@@ -31,17 +35,6 @@ def load():
 
 def run_of(fault):
     return fault.get("run", "--rays-per-block 64")
-
-
-def plant(fault, folder):
-    """The faulty file, in a tree that the compiler looks into first."""
-    with open(os.path.join(TOP, fault["file"]), encoding="utf-8") as file:
-        text = file.read()
-    if text.count(fault["find"]) != 1:
-        sys.exit(f"{fault['name']}: found {text.count(fault['find'])} times in {fault['file']}: {fault['find']}")
-    os.makedirs(os.path.join(folder, "gpu"), exist_ok=True)
-    with open(os.path.join(folder, fault["file"]), "w", encoding="utf-8") as file:
-        file.write(text.replace(fault["find"], fault["replace"]))
 
 
 def build_program(build, folder, units, target, program, archive):
@@ -81,7 +74,7 @@ def try_race(fault, build, folder):
 def try_fault(fault, build, out):
     """What was said first, and whether that is what should have been."""
     folder = os.path.join(out, fault["name"])
-    plant(fault, folder)
+    on_gpu.plant(fault, folder)
     if "race" in fault:
         return try_race(fault, build, folder)
     faulty = build_program(build, folder, fault["units"], "scotty_simt", "scotty", r" (\S*libscotty\S*\.a)")

@@ -12,6 +12,7 @@
 #include "emulation/pipeline.h"
 #include "reference/wide_bvh.h"
 #include "scenes/scenes.h"
+#include "tests/verify/capture_tools.h"
 #include "tests/verify/stage_copies.h"
 #include "verify/invariants.h"
 
@@ -21,6 +22,7 @@ using namespace scotty;
 using namespace scotty::reference;
 using verify::Failure;
 using verify::InvariantChecker;
+using verify::test::small_parameters;
 using verify::test::StageCopies;
 using verify::test::StageCopy;
 namespace invariant = verify::invariant;
@@ -28,20 +30,6 @@ namespace invariant = verify::invariant;
 const Scene& spheres() {
     static const Scene scene = scenes::load_scene("spheres");
     return scene;
-}
-
-PipelineParameters small_parameters() {
-    PipelineParameters p;
-    p.image_width = 13;
-    p.image_height = 11;
-    p.spp = 2;
-    p.bounces = 1;
-    p.light_samples = 1;
-    p.width = 4;
-    p.rays_per_block = 32;
-    p.hit_capacity = 32;
-    p.early_out = EarlyOut::level;
-    return p;
 }
 
 /// One run: a pipeline's stages, to be spoiled, and a checker to show them to.

@@ -1,7 +1,10 @@
 /// The back end "simt": the CUDA text on the CPU, against captures of the emulator.
+#include <algorithm>
+
 #include "tests/verify/capture_tools.h"
 #include "verify/backend.h"
 #include "verify/replay.h"
+#include "verify/verify.h"
 
 namespace {
 
@@ -34,6 +37,35 @@ TEST_CASE("simt: what was spoiled in a capture is found", "[verify][simt]") {
     CHECK_FALSE(report.passed());
     REQUIRE(report.first() != nullptr);
     CHECK(report.first()->stage == "bounce0/level1/intersect");
+}
+
+TEST_CASE("simt: verify finds where another back end parts from the emulator", "[verify][simt]") {
+    VerifySettings settings;
+    settings.parameters = small_parameters();
+    settings.backend = "simt";
+    settings.oracles = false;
+    settings.filter.widths = {4};
+    settings.filter.early_out = {reference::EarlyOut::off};
+    // Both hold every invariant; only the comparison can tell.
+    settings.tamper = [](const reference::StageView& stage, std::size_t,
+                         const std::function<void(const reference::StageView&)>& show) {
+        StageCopies copy;
+        copy.on_stage(stage);
+        if (stage.name == "bounce0/light0/direct_light_rays") {
+            copy.at(stage.name).output<float>("potential")[0] += 0.25f;
+        }
+        show(copy.at(stage.name).view);
+    };
+    const SceneReport report = verify_scene(spheres_input(settings.parameters).scene, settings);
+    CHECK_FALSE(report.passed());
+    REQUIRE_FALSE(report.configurations.empty());
+    for (const ConfigurationReport& c : report.configurations) {
+        CHECK(c.stages.differ > 0);
+        CHECK(std::any_of(c.failures.begin(), c.failures.end(), [](const Failure& failure) {
+            return failure.invariant == "same-as-emulator" &&
+                   failure.stage.ends_with("bounce0/light0/direct_light_rays");
+        }));
+    }
 }
 
 }  // namespace
