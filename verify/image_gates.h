@@ -1,0 +1,72 @@
+/// The statistical verdict on an image: can it be the same picture as its golden image, but for
+/// noise?
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "verify/measured_image.h"
+
+namespace scotty::verify {
+
+/// In the order in which they are asked; a layout or a non-finite value that fails ends the rest.
+enum class Gate {
+    layout,  ///< same width and height, variances where they are needed
+    finite,  ///< no NaN, no infinity, no negative radiance
+    global,  ///< mean of the whole image: sees a bias of a percent
+    tile,    ///< 8x8 tiles by Welch's test: sees a region
+    pixel,   ///< single pixels: sees dots; for light-tailed scenes only
+};
+std::string_view name(Gate gate);
+
+struct GateSettings {
+    /// Probability that an image without a fault fails any gate at all, for one image. Divided
+    /// among gates and, after Sidak, among tiles, pixels and channels.
+    double false_alarm = 1e-4;
+    /// The pixel gate assumes that a mean of so many samples is nearly normal: not so with
+    /// caustics.
+    bool light_tailed = true;
+};
+
+struct GateResult {
+    Gate gate = Gate::layout;
+    bool ran = true;  ///< false: does not apply; `text` says why
+    bool passed = true;
+    double statistic = 0.0;  ///< largest |z| or |t| found
+    double p_value = 1.0;    ///< its two-sided probability, before correction
+    double threshold = 0.0;  ///< p_value below which the gate fails
+    /// The region that the statistic belongs to, in pixels.
+    std::uint32_t x = 0, y = 0, width = 0, height = 0;
+    std::uint32_t channel = 0;
+    std::string text;  ///< one sentence, with the place and both values
+};
+
+/// Shown beside a verdict, never judged by.
+struct ImageMetrics {
+    double flip = 0.0;      ///< mean of the LDR-FLIP map, 0 to 1 (Andersson et al. 2020)
+    double rel_mse = 0.0;   ///< mean of (a - b)^2 / (b^2 + 0.01)
+    double psnr = 0.0;      ///< in dB, of the sRGB-encoded images; infinity where they are equal
+    double max_ulps = 0.0;  ///< largest distance in float32 units in the last place
+};
+
+struct WorstPixel {
+    std::uint32_t x = 0, y = 0;
+    double z = 0.0;  ///< largest over channels; 0 where variances are not known
+    Color image{}, golden{};
+};
+
+struct ImageVerdict {
+    std::vector<GateResult> gates;
+    ImageMetrics metrics;
+    std::vector<WorstPixel> worst;            ///< worst first, at most 10
+    bool passed() const;                      ///< every gate that ran
+    const GateResult* first_failure() const;  ///< null where none
+};
+
+/// Never throws for a bad image: that is the layout or the finite gate's finding.
+ImageVerdict judge_image(const MeasuredImage& image, const MeasuredImage& golden,
+                         const GateSettings& settings);
+
+}  // namespace scotty::verify
