@@ -35,7 +35,9 @@ bool SceneReport::passed() const {
 
 bool Report::passed() const {
     return std::all_of(scenes.begin(), scenes.end(),
-                       [](const SceneReport& scene) { return scene.passed(); });
+                       [](const SceneReport& scene) { return scene.passed(); }) &&
+           std::all_of(images.begin(), images.end(),
+                       [](const ImageCase& image) { return image.verdict.passed(); });
 }
 
 std::vector<PlacedFailure> placed_failures(const Report& report) {
@@ -49,7 +51,8 @@ std::vector<PlacedFailure> placed_failures(const Report& report) {
                 const bool of_stage = failure.launch != reference::kNotApplicable;
                 placed.push_back(
                     {scene.scene, configuration, failure,
-                     of_stage ? fmt::format("{} --stage '{}'", replay, failure.stage) : replay});
+                     of_stage ? fmt::format("{} --stage '{}'", replay, failure.stage) : replay,
+                     ""});
             }
         };
         add("BVH", baseline, scene.bvh_failures);
@@ -59,8 +62,49 @@ std::vector<PlacedFailure> placed_failures(const Report& report) {
         add("oracles on the baseline", baseline, scene.hits.failures);
         add("oracles on the baseline", baseline, scene.image.failures);
     }
+    for (const ImageCase& image : report.images) {
+        for (const Failure& failure : failures_of(image)) {
+            placed.push_back({image.name, "golden image", failure, image.replay, image.approve});
+        }
+    }
     return placed;
 }
+
+namespace {
+
+/// The gates' findings by image; p-values by the gate that came nearest to failing, or failed.
+std::string image_table(const std::vector<ImageCase>& images) {
+    if (images.empty()) return "";
+    const auto row = [](const auto&... cells) {
+        return fmt::format("{:<14} {:>9} {:>8} {:>10} {:>10} {:>9} {:>10} {:>8}  {}\n", cells...);
+    };
+    std::string out = "\n" + row("golden image", "pixels", "gate", "statistic", "p", "below",
+                                 "FLIP", "relMSE", "verdict");
+    for (const ImageCase& image : images) {
+        const GateResult* leading = image.verdict.first_failure();
+        for (const GateResult& gate : image.verdict.gates) {
+            if (leading != nullptr && !leading->passed) break;
+            const bool statistical = gate.ran && gate.threshold > 0.0;
+            if (!statistical) continue;
+            if (leading == nullptr ||
+                gate.p_value / gate.threshold < leading->p_value / leading->threshold) {
+                leading = &gate;
+            }
+        }
+        const auto in_short = [](double value) { return fmt::format("{:.2g}", value); };
+        const auto of_gate = [&](double GateResult::*member) {
+            return leading == nullptr ? std::string("-") : in_short(leading->*member);
+        };
+        out += row(image.name, fmt::format("{}x{}", image.image.width, image.image.height),
+                   leading == nullptr ? "-" : name(leading->gate), of_gate(&GateResult::statistic),
+                   of_gate(&GateResult::p_value), of_gate(&GateResult::threshold),
+                   in_short(image.verdict.metrics.flip), in_short(image.verdict.metrics.rel_mse),
+                   image.verdict.passed() ? "passed" : "FAILED");
+    }
+    return out;
+}
+
+}  // namespace
 
 std::string table(const Report& report) {
     const auto row = [](const auto&... cells) {
@@ -90,9 +134,12 @@ std::string table(const Report& report) {
         configurations += scene.configurations.size();
         for (const ConfigurationReport& c : scene.configurations) stages += c.stages;
     }
-    out += fmt::format("\n{} scenes, {} runs, {} rays, {} threads, {:.1f} s: {}\n",
-                       report.scenes.size(), configurations, rays, report.threads, report.seconds,
-                       report.passed() ? "passed" : "FAILED");
+    out += image_table(report.images);
+    const std::string images =
+        report.images.empty() ? "" : fmt::format(", {} golden images", report.images.size());
+    out += fmt::format("\n{} scenes, {} runs, {} rays{}, {} threads, {:.1f} s: {}\n",
+                       report.scenes.size(), configurations, rays, images, report.threads,
+                       report.seconds, report.passed() ? "passed" : "FAILED");
     if (stages.all() != 0) {
         out += fmt::format(
             "{} against the emulator: {} stages, {} identical, {} reordered, {} within bounds, {} "
@@ -107,6 +154,9 @@ std::string table(const Report& report) {
     out += fmt::format("\nfirst failure: scene {}, {}\n  {}\n", first.scene, first.configuration,
                        to_string(f));
     out += fmt::format("  show it again: {}\n", first.replay);
+    if (!first.approve.empty()) {
+        out += fmt::format("  if the new image is right: {}\n", first.approve);
+    }
     if (failures.size() > 1) out += fmt::format("  and {} more\n", failures.size() - 1);
     return out;
 }
@@ -132,7 +182,8 @@ nlohmann::json to_json(const PlacedFailure& placed) {
             {"expected", f.expected},
             {"found", f.found},
             {"sentence", f.sentence},
-            {"replay", placed.replay}};
+            {"replay", placed.replay},
+            {"approve", placed.approve}};
 }
 
 nlohmann::json to_json(const ConfigurationReport& c) {
@@ -194,6 +245,8 @@ nlohmann::json to_json(const Report& report) {
     for (const PlacedFailure& failure : placed_failures(report)) {
         failures.push_back(to_json(failure));
     }
+    nlohmann::json images = nlohmann::json::array();
+    for (const ImageCase& image : report.images) images.push_back(to_json(image));
     const auto& p = report.parameters;
     return {{"passed", report.passed()},
             {"command", report.command},
@@ -206,7 +259,8 @@ nlohmann::json to_json(const Report& report) {
             {"seed", p.seed},
             {"seconds", report.seconds},
             {"failures", failures},
-            {"scenes", scenes}};
+            {"scenes", scenes},
+            {"images", images}};
 }
 
 void write_file(const std::string& path, const std::string& text) {

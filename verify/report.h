@@ -11,6 +11,7 @@
 #include "verify/failure.h"
 #include "verify/hit_check.h"
 #include "verify/invariants.h"
+#include "verify/report_images.h"
 
 namespace scotty::verify {
 
@@ -58,6 +59,7 @@ struct Report {
     std::string backend = "emulator";
     std::string command;  ///< as given
     std::vector<SceneReport> scenes;
+    std::vector<ImageCase> images;  ///< against their golden images
     double seconds = 0.0;
 
     bool passed() const;
@@ -69,16 +71,18 @@ struct PlacedFailure {
     std::string configuration;
     Failure failure;
     std::string replay;
+    std::string approve;  ///< of an image only: the command that makes it the golden one
 };
 /// The one that leads: the first scene's first, a broken BVH before the baseline's invariants,
-/// those before the other configurations', the oracles last. Empty where everything passed.
+/// those before the other configurations', the oracles last; after all scenes the images. Empty
+/// where everything passed.
 std::vector<PlacedFailure> placed_failures(const Report& report);
 
 /// The table that ends `scotty verify`, with the leading failure below it.
 std::string table(const Report& report);
 nlohmann::json to_json(const Report& report);
 std::string to_junit(const Report& report);
-/// One file, no network: the verdicts and failures.
+/// One file, no network: verdicts, failures, and images to be looked into (verify/page/).
 std::string to_html(const Report& report);
 
 /// Writes a whole file, or throws bad_input naming it. Creates its folder; never leaves half a

@@ -1,0 +1,117 @@
+/// The report page in a real browser, by the page's test of itself (verify/page/selftest.js).
+#include <sys/wait.h>
+
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/verify/capture_tools.h"
+#include "tests/verify/report_pages.h"
+
+namespace {
+
+using namespace scotty::verify;
+using namespace scotty::verify::test;
+using Catch::Matchers::Contains;
+
+std::string quoted(const std::filesystem::path& path) { return "'" + path.string() + "'"; }
+
+bool browser_is_here() { return std::system("command -v chromium >/dev/null 2>&1") == 0; }
+
+/// What each page, by its name, found out about itself. One browser for all, because starting it
+/// takes longer than all the rest: each page is in a frame of its own.
+std::map<std::string, std::string> self_tests(const std::map<std::string, std::string>& pages) {
+    const TemporaryFolder folder;
+    std::string frames = "<!doctype html><body>";
+    for (const auto& [name, page] : pages) {
+        spill(folder / (name + ".html").c_str(), page);
+        frames += "<iframe width='1280' height='900' id='" + name + "' src='" + name +
+                  ".html#selftest'></iframe>";
+    }
+    spill(folder / "all.html", frames + R"(<script>onload = () => {
+        for (const frame of document.querySelectorAll('iframe')) {
+            const page = frame.contentDocument;
+            const found = page.getElementById('selftest');
+            document.body.append(`{${frame.id}: ${found ? found.textContent : 'no answer'}}`);
+        }
+    };</script>)");
+    const std::string command =
+        "chromium --headless --no-sandbox --disable-gpu --no-first-run "
+        "--allow-file-access-from-files --user-data-dir=" +
+        quoted(folder / "profile") + " --dump-dom " + quoted("file://" / (folder / "all.html")) +
+        " >" + quoted(folder / "dom") + " 2>" + quoted(folder / "log");
+    const int status = std::system(command.c_str());
+    const std::string dom = slurp(folder / "dom");
+    INFO(command << "\n" << slurp(folder / "log"));
+    REQUIRE(WIFEXITED(status));
+    REQUIRE(WEXITSTATUS(status) == 0);
+    std::map<std::string, std::string> found;
+    for (const auto& [name, page] : pages) {
+        const std::size_t start = dom.find("{" + name + ": ");
+        REQUIRE(start != std::string::npos);
+        found[name] = dom.substr(start, dom.find('}', start) - start);
+    }
+    return found;
+}
+
+TEST_CASE("page: in a browser it passes its own test, which sees every planted fault",
+          "[verify][page][browser]") {
+    if (!browser_is_here()) {
+        if (std::getenv("SCOTTY_REQUIRE_BROWSER") != nullptr) FAIL("chromium is not installed");
+        WARN("not run: chromium is not installed (Debian: chromium)");
+        return;
+    }
+    Report odd =
+        report();  // what a page must bear: sizes that differ, no variances, a hostile name
+    odd.images[0].golden = picture(1, 48);
+    odd.images[0].verdict.worst.clear();
+    odd.images[1].image.variance.clear();
+    odd.images[2].name = "</script><b>&\"x\"";
+    const std::string failing = to_html(failing_report());
+    const std::string value = page_data(failing_report().images[1])["pixels"]["new"];
+    std::string spoiled = value;
+    spoiled[spoiled.size() / 2] = spoiled[spoiled.size() / 2] == 'A' ? 'B' : 'A';
+    const auto with = [&](const char* from, const char* to) { return replaced(failing, from, to); };
+    const auto found = self_tests({
+        {"passing", to_html(report())},
+        {"failing", failing},
+        {"odd", to_html(odd)},
+        {"value", replaced(failing, value, spoiled)},
+        {"number", with("\"image\":[\"Infinity\",1.0,1.0]", "\"image\":[\"Infinity\",1.0,1.5]")},
+        {"flip", with("event.key === 'f' || event.key === 'F'", "event.key === 'g'")},
+        {"magnifier", with("const y = py + first + row;", "const y = py + first + row + 1;")},
+        {"slider", with("split: state.split / 100", "split: 0.5")},
+        {"overlay", with("!Number.isFinite(value) || value < 0", "Number.isNaN(value)")},
+        {"z", with("Math.sqrt(varianceA + varianceB)", "Math.sqrt(varianceA)")},
+        {"address", with("exposure: exposure || undefined", "exposure: undefined")},
+        {"script", with("class Viewer {", "class Viewer {{")},
+    });
+    for (const char* good : {"passing", "failing", "odd"}) {
+        CHECK_THAT(found.at(good), Contains("selftest: passed"));
+    }
+    const auto fails = [&](const char* page, const char* because) {
+        CHECK_THAT(found.at(page), Contains("selftest: FAILED") && Contains(because));
+    };
+    fails("value", "spheres: checksum of new: expected");
+    fails("number", "spheres: pixel 20, 50 channel 2, new as embedded: expected 1.5, found 1");
+    fails("flip", "spheres: F flips to golden: expected golden, found new");
+    fails("magnifier", "spheres: the middle of the magnifier");
+    fails("slider", "spheres: split at 100, right");
+    fails("overlay", "spheres: non-finite pixels are counted: expected 3, found 1");
+    fails("z", "spheres: its z: expected");
+    fails("address", "spheres: and the exposure: expected -1.5, found 0");
+    fails("script", "viewer is not defined");
+}
+
+/// Not a test: writes pages to look at to the folder that SCOTTY_PAGES names.
+TEST_CASE("page: pages to look at", "[.][page-files]") {
+    const char* folder = std::getenv("SCOTTY_PAGES");
+    REQUIRE(folder != nullptr);
+    write_file(std::string(folder) + "/passing.html", to_html(report()));
+    write_file(std::string(folder) + "/failing.html", to_html(failing_report()));
+}
+
+}  // namespace

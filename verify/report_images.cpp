@@ -1,0 +1,119 @@
+#include "verify/report_images.h"
+
+#include <OpenImageIO/strutil.h>
+#include <fmt/format.h>
+
+#include <bit>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace scotty::verify {
+namespace {
+
+nlohmann::json number(double value) {
+    if (std::isfinite(value)) return value;
+    if (std::isnan(value)) return "NaN";
+    return value > 0.0 ? "Infinity" : "-Infinity";
+}
+
+nlohmann::json numbers(const Color& color) {
+    return {number(color[0]), number(color[1]), number(color[2])};
+}
+
+nlohmann::json to_json(const GateResult& gate) {
+    return {{"gate", name(gate.gate)},
+            {"ran", gate.ran},
+            {"passed", gate.passed},
+            {"statistic", number(gate.statistic)},
+            {"p_value", number(gate.p_value)},
+            {"threshold", number(gate.threshold)},
+            {"x", gate.x},
+            {"y", gate.y},
+            {"width", gate.width},
+            {"height", gate.height},
+            {"channel", gate.channel},
+            {"text", gate.text}};
+}
+
+/// A plane of pixels as bytes: little-endian whatever this machine is.
+struct Plane {
+    std::string base64;
+    std::uint32_t checksum = 0;
+
+    explicit Plane(const std::vector<Color>& colors) {
+        std::string bytes;
+        bytes.reserve(colors.size() * 12);
+        for (const Color& color : colors) {
+            for (const double channel : color) {
+                const auto word = std::bit_cast<std::uint32_t>(static_cast<float>(channel));
+                checksum += word;
+                for (int shift = 0; shift < 32; shift += 8) {
+                    bytes += static_cast<char>((word >> shift) & 0xffu);
+                }
+            }
+        }
+        base64 = OIIO::Strutil::base64_encode(bytes);
+    }
+};
+
+}  // namespace
+
+std::vector<Failure> failures_of(const ImageCase& image) {
+    std::vector<Failure> failures;
+    for (const GateResult& gate : image.verdict.gates) {
+        if (!gate.ran || gate.passed) continue;
+        Failure failure;
+        failure.invariant = fmt::format("image-{}", name(gate.gate));
+        failure.stage = image.name + " against its golden image";
+        failure.sentence = gate.text;
+        failures.push_back(failure);
+    }
+    return failures;
+}
+
+nlohmann::json to_json(const ImageCase& image) {
+    nlohmann::json gates = nlohmann::json::array();
+    for (const GateResult& gate : image.verdict.gates) gates.push_back(to_json(gate));
+    nlohmann::json worst = nlohmann::json::array();
+    for (const WorstPixel& pixel : image.verdict.worst) {
+        worst.push_back({{"x", pixel.x},
+                         {"y", pixel.y},
+                         {"z", number(pixel.z)},
+                         {"image", numbers(pixel.image)},
+                         {"golden", numbers(pixel.golden)}});
+    }
+    const ImageMetrics& metrics = image.verdict.metrics;
+    return {{"name", image.name},
+            {"passed", image.verdict.passed()},
+            {"width", image.image.width},
+            {"height", image.image.height},
+            {"samples", image.image.samples},
+            {"golden_samples", image.golden.samples},
+            {"gates", gates},
+            {"not_judged_by",
+             {{"flip", number(metrics.flip)},
+              {"rel_mse", number(metrics.rel_mse)},
+              {"psnr", number(metrics.psnr)},
+              {"max_ulps", number(metrics.max_ulps)}}},
+            {"worst", worst},
+            {"replay", image.replay},
+            {"approve", image.approve}};
+}
+
+nlohmann::json page_data(const ImageCase& image) {
+    nlohmann::json data = to_json(image);
+    data["golden_width"] = image.golden.width;
+    data["golden_height"] = image.golden.height;
+    const auto add = [&](const char* plane_name, const std::vector<Color>& colors) {
+        const Plane plane(colors);
+        data["pixels"][plane_name] = plane.base64;
+        data["checksums"][plane_name] = plane.checksum;
+    };
+    add("new", image.image.mean);
+    add("golden", image.golden.mean);
+    add("new_variance", image.image.variance);
+    add("golden_variance", image.golden.variance);
+    return data;
+}
+
+}  // namespace scotty::verify

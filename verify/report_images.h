@@ -1,0 +1,34 @@
+/// Images held against their golden images, as reports show them.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "verify/failure.h"
+#include "verify/image_gates.h"
+#include "verify/measured_image.h"
+
+namespace scotty::verify {
+
+struct ImageCase {
+    std::string name;
+    MeasuredImage image, golden;
+    ImageVerdict verdict;
+    std::string replay;   ///< command that renders and judges this case alone
+    std::string approve;  ///< command that makes the new image the golden one
+};
+
+/// A gate that failed, as one more failure of the report: "[image-tile] ...".
+std::vector<Failure> failures_of(const ImageCase& image);
+
+/// The verdict without the pixels. A number that is not finite is the string "NaN", "Infinity" or
+/// "-Infinity".
+nlohmann::json to_json(const ImageCase& image);
+
+/// What the report page draws from: the verdict, and in "pixels" the planes new, golden,
+/// new_variance and golden_variance as base64 of little-endian float32 RGB, row-major from the top
+/// left; empty where there is none. "checksums" has each plane's sum of 32-bit words, modulo 2^32.
+nlohmann::json page_data(const ImageCase& image);
+
+}  // namespace scotty::verify
