@@ -72,7 +72,24 @@ std::vector<PlacedFailure> placed_failures(const Report& report) {
 
 namespace {
 
-/// The gates' findings by image; p-values by the gate that came nearest to failing, or failed.
+bool statistical(Gate gate) {
+    return gate == Gate::global || gate == Gate::tile || gate == Gate::pixel;
+}
+
+/// The first gate that failed, else the one that came nearest to it.
+const GateResult* leading_gate(const ImageVerdict& verdict) {
+    if (const GateResult* failed = verdict.first_failure()) return failed;
+    const GateResult* leading = nullptr;
+    for (const GateResult& gate : verdict.gates) {
+        if (!gate.ran || !statistical(gate.gate)) continue;
+        if (leading == nullptr ||
+            gate.p_value / gate.threshold < leading->p_value / leading->threshold) {
+            leading = &gate;
+        }
+    }
+    return leading;
+}
+
 std::string image_table(const std::vector<ImageCase>& images) {
     if (images.empty()) return "";
     const auto row = [](const auto&... cells) {
@@ -81,22 +98,14 @@ std::string image_table(const std::vector<ImageCase>& images) {
     std::string out = "\n" + row("golden image", "pixels", "gate", "statistic", "p", "below",
                                  "FLIP", "relMSE", "verdict");
     for (const ImageCase& image : images) {
-        const GateResult* leading = image.verdict.first_failure();
-        for (const GateResult& gate : image.verdict.gates) {
-            if (leading != nullptr && !leading->passed) break;
-            const bool statistical = gate.ran && gate.threshold > 0.0;
-            if (!statistical) continue;
-            if (leading == nullptr ||
-                gate.p_value / gate.threshold < leading->p_value / leading->threshold) {
-                leading = &gate;
-            }
-        }
+        const GateResult* gate = leading_gate(image.verdict);
         const auto in_short = [](double value) { return fmt::format("{:.2g}", value); };
         const auto of_gate = [&](double GateResult::*member) {
-            return leading == nullptr ? std::string("-") : in_short(leading->*member);
+            const bool measured = gate != nullptr && statistical(gate->gate);
+            return measured ? in_short(gate->*member) : std::string("-");
         };
         out += row(image.name, fmt::format("{}x{}", image.image.width, image.image.height),
-                   leading == nullptr ? "-" : name(leading->gate), of_gate(&GateResult::statistic),
+                   gate == nullptr ? "-" : name(gate->gate), of_gate(&GateResult::statistic),
                    of_gate(&GateResult::p_value), of_gate(&GateResult::threshold),
                    in_short(image.verdict.metrics.flip), in_short(image.verdict.metrics.rel_mse),
                    image.verdict.passed() ? "passed" : "FAILED");

@@ -1,6 +1,7 @@
 /// The report page: what went wrong first, then scenes, images and runs. verify/page/ has how it
 /// looks and what it does.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
@@ -43,7 +44,7 @@ std::string in_address(const std::string& text) {
     return out;
 }
 
-std::string place_of(const Failure& failure) {
+std::string place_text(const Failure& failure) {
     std::string place;
     const auto add = [&](const char* what, std::uint32_t number) {
         if (number == reference::kNotApplicable) return;
@@ -64,7 +65,7 @@ std::string finding(const PlacedFailure& placed) {
                     html_text(failure.invariant), html_text(placed.scene));
     if (placed.approve.empty()) {
         out += fmt::format("<p class=\"where quiet\">{}</p>\n<p class=\"where number\">{}</p>\n",
-                           html_text(placed.configuration), html_text(place_of(failure)));
+                           html_text(placed.configuration), html_text(place_text(failure)));
     }
     out += fmt::format("<p class=\"what\">{}</p>\n", html_text(failure.sentence));
     if (!failure.expected.empty() || !failure.found.empty()) {
@@ -129,19 +130,27 @@ std::string verdict_part(const Report& report, std::size_t failures) {
         runs += scene.configurations.size();
         rays += scene.rays();
     }
-    const auto& p = report.parameters;
+    std::vector<std::string> looked_at;
+    if (!report.scenes.empty()) {
+        looked_at.push_back(fmt::format("{} in {}, {} rays", counted(report.scenes.size(), "scene"),
+                                        counted(runs, "run"), rays));
+    }
+    if (!report.images.empty()) {
+        looked_at.push_back(counted(report.images.size(), "golden image"));
+    }
     std::string out = fmt::format(
-        "<p class=\"quiet\">scotty verify</p>\n<h1{}</h1>\n<p class=\"lead\">{} in {}, {} rays, "
-        "{}.</p>\n",
+        "<p class=\"quiet\">scotty verify</p>\n<h1{}</h1>\n<p class=\"lead\">{}.</p>\n",
         report.passed() ? ">Passed"
                         : fmt::format(" class=\"fault\">{}", counted(failures, "failure")),
-        counted(report.scenes.size(), "scene"), counted(runs, "run"), rays,
-        counted(report.images.size(), "golden image"));
-    out += fmt::format(
-        "<p class=\"quiet\">{} x {} pixels, {} samples a pixel, {} bounces, {} light samples, seed "
-        "{}; {}, {} threads, {:.1f} s</p>\n",
-        p.image_width, p.image_height, p.spp, p.bounces, p.light_samples, p.seed,
-        html_text(report.backend), report.threads, report.seconds);
+        looked_at.empty() ? "Nothing was looked at"
+                          : fmt::format("{}", fmt::join(looked_at, ", ")));
+    const auto& p = report.parameters;
+    const std::string parameters =
+        fmt::format("{} x {} pixels, {} samples a pixel, {} bounces, {} light samples, seed {}; ",
+                    p.image_width, p.image_height, p.spp, p.bounces, p.light_samples, p.seed);
+    out += fmt::format("<p class=\"quiet\">{}{}, {}, {:.1f} s</p>\n",
+                       report.scenes.empty() ? "" : parameters, html_text(report.backend),
+                       counted(report.threads, "thread"), report.seconds);
     out += command(report.command, "verify all of this again");
     out += "<nav aria-label=\"On this page\">";
     if (failures != 0) out += R"(<a href="#failures">Failures</a>)";

@@ -10,23 +10,23 @@
 namespace scotty::verify {
 namespace {
 
-nlohmann::json number(double value) {
+nlohmann::json json_number(double value) {
     if (std::isfinite(value)) return value;
     if (std::isnan(value)) return "NaN";
     return value > 0.0 ? "Infinity" : "-Infinity";
 }
 
-nlohmann::json numbers(const Color& color) {
-    return {number(color[0]), number(color[1]), number(color[2])};
+nlohmann::json json_color(const Color& color) {
+    return {json_number(color[0]), json_number(color[1]), json_number(color[2])};
 }
 
 nlohmann::json to_json(const GateResult& gate) {
     return {{"gate", name(gate.gate)},
             {"ran", gate.ran},
             {"passed", gate.passed},
-            {"statistic", number(gate.statistic)},
-            {"p_value", number(gate.p_value)},
-            {"threshold", number(gate.threshold)},
+            {"statistic", json_number(gate.statistic)},
+            {"p_value", json_number(gate.p_value)},
+            {"threshold", json_number(gate.threshold)},
             {"x", gate.x},
             {"y", gate.y},
             {"width", gate.width},
@@ -36,11 +36,11 @@ nlohmann::json to_json(const GateResult& gate) {
 }
 
 /// A plane of pixels as bytes: little-endian whatever this machine is.
-struct Plane {
+struct EncodedPlane {
     std::string base64;
     std::uint32_t checksum = 0;
 
-    explicit Plane(const std::vector<Color>& colors) {
+    explicit EncodedPlane(const std::vector<Color>& colors) {
         std::string bytes;
         bytes.reserve(colors.size() * 12);
         for (const Color& color : colors) {
@@ -78,9 +78,9 @@ nlohmann::json to_json(const ImageCase& image) {
     for (const WorstPixel& pixel : image.verdict.worst) {
         worst.push_back({{"x", pixel.x},
                          {"y", pixel.y},
-                         {"z", number(pixel.z)},
-                         {"image", numbers(pixel.image)},
-                         {"golden", numbers(pixel.golden)}});
+                         {"z", json_number(pixel.z)},
+                         {"image", json_color(pixel.image)},
+                         {"golden", json_color(pixel.golden)}});
     }
     const ImageMetrics& metrics = image.verdict.metrics;
     return {{"name", image.name},
@@ -91,10 +91,10 @@ nlohmann::json to_json(const ImageCase& image) {
             {"golden_samples", image.golden.samples},
             {"gates", gates},
             {"not_judged_by",
-             {{"flip", number(metrics.flip)},
-              {"rel_mse", number(metrics.rel_mse)},
-              {"psnr", number(metrics.psnr)},
-              {"max_ulps", number(metrics.max_ulps)}}},
+             {{"flip", json_number(metrics.flip)},
+              {"rel_mse", json_number(metrics.rel_mse)},
+              {"psnr", json_number(metrics.psnr)},
+              {"max_ulps", json_number(metrics.max_ulps)}}},
             {"worst", worst},
             {"replay", image.replay},
             {"approve", image.approve}};
@@ -105,7 +105,7 @@ nlohmann::json page_data(const ImageCase& image) {
     data["golden_width"] = image.golden.width;
     data["golden_height"] = image.golden.height;
     const auto add = [&](const char* plane_name, const std::vector<Color>& colors) {
-        const Plane plane(colors);
+        const EncodedPlane plane(colors);
         data["pixels"][plane_name] = plane.base64;
         data["checksums"][plane_name] = plane.checksum;
     };
@@ -113,6 +113,7 @@ nlohmann::json page_data(const ImageCase& image) {
     add("golden", image.golden.mean);
     add("new_variance", image.image.variance);
     add("golden_variance", image.golden.variance);
+    add("z", image.z);
     return data;
 }
 

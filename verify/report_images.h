@@ -15,6 +15,9 @@ struct ImageCase {
     std::string name;
     MeasuredImage image, golden;
     ImageVerdict verdict;
+    /// The signed statistic of each pixel and channel, by the rule that the verdict was found by:
+    /// the page shows statistics and works out none. Empty where noise is not known.
+    std::vector<Color> z;
     std::string replay;   ///< command that renders and judges this case alone
     std::string approve;  ///< command that makes the new image the golden one
 };
@@ -27,8 +30,9 @@ std::vector<Failure> failures_of(const ImageCase& image);
 nlohmann::json to_json(const ImageCase& image);
 
 /// What the report page draws from: the verdict, and in "pixels" the planes new, golden,
-/// new_variance and golden_variance as base64 of little-endian float32 RGB, row-major from the top
-/// left; empty where there is none. "checksums" has each plane's sum of 32-bit words, modulo 2^32.
+/// new_variance, golden_variance and z as base64 of little-endian float32 RGB, row-major from the
+/// top left; empty where there is none. "checksums" has each plane's sum of 32-bit words, modulo
+/// 2^32.
 nlohmann::json page_data(const ImageCase& image);
 
 }  // namespace scotty::verify

@@ -53,10 +53,10 @@ struct Suite {
         const ImageMetrics& shown = image.verdict.metrics;
         test.append_child("system-out")
             .append_child(pugi::node_pcdata)
-            .set_value(fmt::format("statistic {:.6g}, p {:.6g}, fails below {:.6g}\n"
+            .set_value(fmt::format("{}\nstatistic {:.6g}, p {:.6g}, fails below {:.6g}\n"
                                    "not judged by: FLIP {:.6g}, relMSE {:.6g}, PSNR {:.6g} dB\n",
-                                   gate.statistic, gate.p_value, gate.threshold, shown.flip,
-                                   shown.rel_mse, shown.psnr)
+                                   gate.text, gate.statistic, gate.p_value, gate.threshold,
+                                   shown.flip, shown.rel_mse, shown.psnr)
                            .c_str());
     }
 

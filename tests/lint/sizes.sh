@@ -11,7 +11,7 @@ while IFS= read -r -d '' file; do
         wrong=1
     fi
     case $file in
-        *.h | *.hpp | *.cpp | *.cu | *.cuh | *.py | *.sh | *.cmake | *CMakeLists.txt)
+        *.h | *.hpp | *.cpp | *.cu | *.cuh | *.py | *.sh | *.cmake | *CMakeLists.txt | *.html | *.css | *.js)
             lines=$(wc -l <"$file")
             if ((lines > 700)); then
                 echo "$file: $lines lines, at most 700 are allowed; split it"

@@ -14,7 +14,9 @@ namespace scotty::verify::test {
 /// A ball on a checkered floor under a sky, as a mean of 64 samples with the noise that goes with
 /// it: every seed draws the same picture with other noise.
 inline MeasuredImage picture(std::uint32_t seed, std::uint32_t size = 64) {
-    MeasuredImage image{size, size, {}, {}, 64};
+    MeasuredImage image;
+    image.width = image.height = size;
+    image.samples = 64;
     std::mt19937 random(seed);
     std::normal_distribution<double> normal;
     for (std::uint32_t y = 0; y < size; ++y) {
@@ -47,25 +49,38 @@ inline MeasuredImage picture(std::uint32_t seed, std::uint32_t size = 64) {
     return image;
 }
 
-/// Pixels that stand out most, by the same z as the page's; a NaN most of all.
-inline std::vector<WorstPixel> worst_pixels(const MeasuredImage& a, const MeasuredImage& b) {
-    std::vector<WorstPixel> all;
-    if (a.width != b.width || a.height != b.height) return all;
-    for (std::size_t i = 0; i < a.mean.size(); ++i) {
-        WorstPixel pixel{static_cast<std::uint32_t>(i % a.width),
-                         static_cast<std::uint32_t>(i / a.width), 0.0, a.mean[i], b.mean[i]};
+/// Differences in standard deviations of the difference.
+inline std::vector<Color> z_of(const MeasuredImage& a, const MeasuredImage& b) {
+    std::vector<Color> z(a.mean.size());
+    for (std::size_t i = 0; i < z.size(); ++i) {
         for (std::size_t c = 0; c < 3; ++c) {
-            const double z = std::abs(a.mean[i][c] - b.mean[i][c]) /
-                             std::sqrt(a.variance[i][c] + b.variance[i][c]);
-            pixel.z =
-                std::isnan(z) ? std::numeric_limits<double>::infinity() : std::max(pixel.z, z);
+            z[i][c] =
+                (a.mean[i][c] - b.mean[i][c]) / std::sqrt(a.variance[i][c] + b.variance[i][c]);
         }
-        all.push_back(pixel);
     }
-    std::stable_sort(all.begin(), all.end(),
+    return z;
+}
+
+/// What follows from the images: z, and the pixels that stand out most, a NaN most of all.
+inline void find_worst(ImageCase& image) {
+    image.z = z_of(image.image, image.golden);
+    std::vector<WorstPixel>& worst = image.verdict.worst;
+    worst.clear();
+    for (std::size_t i = 0; i < image.z.size(); ++i) {
+        WorstPixel pixel;
+        pixel.x = static_cast<std::uint32_t>(i % image.image.width);
+        pixel.y = static_cast<std::uint32_t>(i / image.image.width);
+        pixel.image = image.image.mean[i];
+        pixel.golden = image.golden.mean[i];
+        for (const double z : image.z[i]) {
+            pixel.z = std::isnan(z) ? std::numeric_limits<double>::infinity()
+                                    : std::max(pixel.z, std::abs(z));
+        }
+        worst.push_back(pixel);
+    }
+    std::stable_sort(worst.begin(), worst.end(),
                      [](const WorstPixel& p, const WorstPixel& q) { return p.z > q.z; });
-    all.resize(10);
-    return all;
+    worst.resize(10);
 }
 
 inline GateResult gate(Gate which, double statistic, double p, double threshold) {
@@ -81,13 +96,16 @@ inline GateResult gate(Gate which, double statistic, double p, double threshold)
 
 /// The verdict is made up: what the gates find is not this page's affair.
 inline ImageCase passing_case(const std::string& name, std::uint32_t seed) {
-    ImageCase image{name, picture(seed), picture(seed + 1000), {}, {}, {}};
+    ImageCase image;
+    image.name = name;
+    image.image = picture(seed);
+    image.golden = picture(seed + 1000);
     image.verdict.gates = {gate(Gate::layout, 0, 1, 0), gate(Gate::finite, 0, 1, 0),
                            gate(Gate::global, 1.31, 0.19, 3.3e-5),
                            gate(Gate::tile, 3.02, 2.5e-3, 1.7e-7),
                            gate(Gate::pixel, 4.11, 4.0e-5, 2.7e-9)};
     image.verdict.metrics = {0.0113, 1.6e-3, 38.2, 8.1e6};
-    image.verdict.worst = worst_pixels(image.image, image.golden);
+    find_worst(image);
     image.replay = "scotty verify '" + name + "' --golden-only";
     image.approve = "scotty golden approve " + name + " --reason \"...\"";
     return image;
@@ -104,7 +122,7 @@ inline ImageCase failing_case(const std::string& name, std::uint32_t seed) {
     image.image.mean[10 * 64 + 12][1] = std::numeric_limits<double>::quiet_NaN();
     image.image.mean[50 * 64 + 20] = {std::numeric_limits<double>::infinity(), 1.0, 1.0};
     image.image.mean[51 * 64 + 21][2] = -0.25;
-    image.verdict.worst = worst_pixels(image.image, image.golden);
+    find_worst(image);
     GateResult& finite = image.verdict.gates[1];
     finite.passed = false;
     finite.x = 12;

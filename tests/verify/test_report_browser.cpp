@@ -69,15 +69,20 @@ TEST_CASE("page: in a browser it passes its own test, which sees every planted f
     odd.images[0].golden = picture(1, 48);
     odd.images[0].verdict.worst.clear();
     odd.images[1].image.variance.clear();
+    odd.images[1].z.clear();
     odd.images[2].name = "</script><b>&\"x\"";
-    const std::string failing = to_html(failing_report());
-    const std::string value = page_data(failing_report().images[1])["pixels"]["new"];
+    Report failures = failing_report();  // of two images, so that one comes after the other
+    failures.images[2] = failing_case("coil", 3);
+    Report one = failing_report();  // to plant faults in, which are seen as well in one image
+    one.images = {one.images[1]};
+    const std::string failing = to_html(one);
+    const std::string value = page_data(one.images[0])["pixels"]["new"];
     std::string spoiled = value;
     spoiled[spoiled.size() / 2] = spoiled[spoiled.size() / 2] == 'A' ? 'B' : 'A';
     const auto with = [&](const char* from, const char* to) { return replaced(failing, from, to); };
     const auto found = self_tests({
         {"passing", to_html(report())},
-        {"failing", failing},
+        {"failing", to_html(failures)},
         {"odd", to_html(odd)},
         {"value", replaced(failing, value, spoiled)},
         {"number", with("\"image\":[\"Infinity\",1.0,1.0]", "\"image\":[\"Infinity\",1.0,1.5]")},
@@ -85,7 +90,8 @@ TEST_CASE("page: in a browser it passes its own test, which sees every planted f
         {"magnifier", with("const y = py + first + row;", "const y = py + first + row + 1;")},
         {"slider", with("split: state.split / 100", "split: 0.5")},
         {"overlay", with("!Number.isFinite(value) || value < 0", "Number.isNaN(value)")},
-        {"z", with("Math.sqrt(varianceA + varianceB)", "Math.sqrt(varianceA)")},
+        {"z", with("value(one.z, one.new)", "value(one.new.variance, one.new)")},
+        {"heat", with("z + maxZ", "z")},
         {"address", with("exposure: exposure || undefined", "exposure: undefined")},
         {"script", with("class Viewer {", "class Viewer {{")},
     });
@@ -102,6 +108,7 @@ TEST_CASE("page: in a browser it passes its own test, which sees every planted f
     fails("slider", "spheres: split at 100, right");
     fails("overlay", "spheres: non-finite pixels are counted: expected 3, found 1");
     fails("z", "spheres: its z: expected");
+    fails("heat", "spheres: the colour of the highest z: expected true, found false");
     fails("address", "spheres: and the exposure: expected -1.5, found 0");
     fails("script", "viewer is not defined");
 }

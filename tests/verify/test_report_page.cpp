@@ -121,7 +121,7 @@ TEST_CASE("page: seven images of 64 x 64 pixels take less than 3 MB, every one e
     const nlohmann::json data = image_data(page);
     REQUIRE(data.size() == 7);
     for (const auto& one : data) {
-        for (const char* plane : {"new", "golden", "new_variance", "golden_variance"}) {
+        for (const char* plane : {"new", "golden", "new_variance", "golden_variance", "z"}) {
             CHECK(one["pixels"][plane].get<std::string>().size() == 64 * 64 * 12 / 3 * 4);
         }
     }

@@ -6,8 +6,8 @@ const captions = {
   golden: 'Golden image, as the eye sees it (sRGB).',
   difference: 'Absolute difference, brightened by the exposure: black where both are equal.',
   split: 'New to the left of the line, golden to its right. Drag the line.',
-  ulps: 'Distance in units in the last place of float32, largest channel, logarithmic.',
-  z: 'Difference in standard deviations, largest channel: blue is darker than golden, amber brighter.',
+  ulps: 'Distance in float32 units in the last place, largest channel, logarithmic.',
+  z: 'In standard deviations, largest channel: blue is darker than golden, amber brighter.',
 };
 const scales = {
   ulps: { stops: ulpsStops, ticks: ['0', '2⁸', '2¹⁶', '2²⁴', '2³²'] },
@@ -78,15 +78,16 @@ class Viewer {
   }
 
   can(view) {
-    if (view === 'z') return this.one.hasZ;
+    if (view === 'z') return this.one.z !== null;
     return this.one.sameSize || !needBoth.includes(view);
   }
 
   fillWorst() {
     this.at.worst.replaceChildren(...this.one.worst.map((pixel) => {
+      const i = pixel.y * this.one.width + pixel.x;
       const button = element('button', { type: 'button', title: `Show pixel ${pixel.x}, ${pixel.y}` },
         element('span', { textContent: `${pixel.x}, ${pixel.y}` }),
-        element('span', { textContent: this.one.hasZ ? `z ${short(number(pixel.z))}` : '' }));
+        element('span', { textContent: this.one.z ? `z ${short(pixelZ(this.one, i))}` : `${pixelUlps(this.one, i)} ulps` }));
       button.addEventListener('click', () => { this.keep([pixel.x, pixel.y]); });
       return button;
     }));
@@ -96,7 +97,7 @@ class Viewer {
   fillVerdict() {
     const rows = this.one.gates.flatMap((gate) => {
       const failed = gate.ran && !gate.passed;
-      const statistical = gate.ran && number(gate.threshold) > 0;
+      const statistical = gate.ran && ['global', 'tile', 'pixel'].includes(gate.gate);
       const cell = (value) => element('td', { textContent: statistical ? short(number(value)) : '' });
       const row = element('tr', {}, element('th', { scope: 'row' }, this.gateName(gate)), cell(gate.statistic),
         cell(gate.p_value), cell(gate.threshold),
@@ -106,7 +107,8 @@ class Viewer {
     });
     this.at.gates.tBodies[0].replaceChildren(...rows);
     const { flip, rel_mse, psnr, max_ulps } = this.one.not_judged_by;
-    const shown = { FLIP: short(number(flip)), relMSE: short(number(rel_mse)), PSNR: `${short(number(psnr))} dB`, 'largest distance': `${short(number(max_ulps))} ulps` };
+    const known = (value, unit) => (Number.isNaN(number(value)) ? 'not known' : short(number(value)) + unit);
+    const shown = { FLIP: known(flip, ''), relMSE: known(rel_mse, ''), PSNR: known(psnr, ' dB'), 'largest distance': known(max_ulps, ' ulps') };
     this.at.metrics.replaceChildren(...Object.entries(shown).map(([name, value]) =>
       element('div', {}, element('dt', { textContent: name }), element('dd', { textContent: value }))));
     const say = (text) => element('p', { className: 'quiet', textContent: text });
@@ -133,7 +135,7 @@ class Viewer {
     for (const input of at.views.querySelectorAll('input')) {
       input.checked = input.value === view;
       input.disabled = !this.can(input.value);
-      input.title = input.disabled ? (input.value === 'z' && one.sameSize ? 'The variances are not known.' : 'The sizes differ.') : '';
+      input.title = input.disabled ? (input.value === 'z' && one.sameSize ? 'The noise is not known.' : 'The sizes differ.') : '';
     }
     at.split.value = state.split;
     at.split.disabled = view !== 'split';
@@ -167,7 +169,7 @@ class Viewer {
       new: of(shortest, a), golden: of(shortest, b), difference: of((x, y) => short(x - y), a, b),
       ulps: of((x, y) => String(ulpsApart(x, y)), a, b),
       'variance, new': of(short, va), 'variance, golden': of(short, vb),
-      z: of((x, y, vx, vy) => short(zOf(x, y, vx, vy)), a, b, va, vb),
+      z: of(short, value(one.z, one.new)),
     };
     at.values.tBodies[0].replaceChildren(...Object.entries(rows).map(([name, cell]) =>
       element('tr', {}, element('th', { scope: 'row', textContent: name }),
