@@ -209,6 +209,9 @@ function selfTest() {
       testPixel(test, one, picture, raw);
       testAddress(test, one);
     });
+    for (const button of document.querySelectorAll('button.copy')) {
+      test.equal('a copy button has a command and a name', button.previousSibling.textContent !== '' && button.hasAttribute('aria-label'), true);
+    }
   } catch (error) {
     test.failed.push(String(error.stack ?? error));
   }
