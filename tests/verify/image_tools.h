@@ -1,0 +1,54 @@
+/// Small images for the tests of what reads, writes and judges them.
+#pragma once
+
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "verify/measured_image.h"
+
+namespace scotty::verify::test {
+
+/// A folder that goes when the test does.
+struct ImageFolder {
+    std::filesystem::path path;
+    ImageFolder() {
+        std::string pattern =
+            (std::filesystem::temp_directory_path() / "scotty_images_XXXXXX").string();
+        REQUIRE(mkdtemp(pattern.data()) != nullptr);
+        path = pattern;
+    }
+    ImageFolder(const ImageFolder&) = delete;
+    ImageFolder& operator=(const ImageFolder&) = delete;
+    ~ImageFolder() { std::filesystem::remove_all(path); }
+    std::string file(const char* name) const { return (path / name).string(); }
+};
+
+inline std::string bytes_of(const std::string& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// A smooth picture without noise, of no symmetry; values are floats.
+inline MeasuredImage smooth_image(std::uint32_t width, std::uint32_t height) {
+    MeasuredImage image{width, height, {}, {}, 0, 1};
+    for (std::uint32_t y = 0; y < height; ++y) {
+        for (std::uint32_t x = 0; x < width; ++x) {
+            const double u = (x + 0.5) / width;
+            const double v = (y + 0.5) / height;
+            const double grey = 0.3 + 0.5 * u + 0.2 * v * v + 0.1 * std::sin(9.0 * u * v);
+            image.mean.push_back({static_cast<float>(grey),
+                                  static_cast<float>(0.6 * grey + 0.1 * v),
+                                  static_cast<float>(0.4 * grey + 0.2 * (1.0 - u))});
+        }
+    }
+    return image;
+}
+
+}  // namespace scotty::verify::test
