@@ -16,7 +16,7 @@ namespace scotty::verify {
 struct GateBenchSettings {
     SyntheticSettings image;  ///< the seed is the first trial's
     std::uint32_t golden_factor = 16;
-    std::uint32_t trials = 100;
+    std::uint32_t trials = 50;
     double false_alarm = 1e-4;  ///< for one image
     std::function<void(const std::string&)> progress;
 };

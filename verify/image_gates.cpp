@@ -49,7 +49,7 @@ std::optional<BadValue> first_bad(const std::vector<Color>& colors) {
     std::optional<BadValue> first;
     std::uint64_t pixels = 0;
     for (std::size_t i = 0; i < colors.size(); ++i) {
-        const auto bad = std::find_if(colors[i].begin(), colors[i].end(), [](double value) {
+        const auto* const bad = std::find_if(colors[i].begin(), colors[i].end(), [](double value) {
             return !(value >= 0.0) || !std::isfinite(value);  // NaN is not >= 0
         });
         if (bad == colors[i].end()) continue;

@@ -19,7 +19,6 @@ struct Place {
     double cosine = 1.0;
     double visibility = 1.0;  ///< share of the lamp that it sees
     double indirect = 0.0;
-    double emission = 0.0;
 };
 
 constexpr std::uint32_t kOtherScene = 1;
@@ -28,10 +27,6 @@ constexpr std::uint32_t kOtherScene = 1;
 Place place_at(double u, double v, std::uint32_t scene) {
     Place place;
     if (v < 0.08) return place;  // background: black, and never anything else
-    if (std::abs(u - 0.3) < 0.06 && std::abs(v - 0.2) < 0.05) {
-        place.emission = 4.0;  // a lamp: constant
-        return place;
-    }
     const double turn = scene == kOtherScene ? v : u;
     place.albedo = {0.3 + 0.5 * turn, 0.75 - 0.4 * u * v, 0.25 + 0.3 * (1.0 - turn)};
     place.cosine = 0.35 + 0.6 * (1.0 - std::abs(u - 0.4));
@@ -77,7 +72,7 @@ struct Estimator {
         const double average = sum / n;
         const double spread = std::max(0.0, squares / n - average * average) / (n - 1.0);
         for (std::size_t c = 0; c < 3; ++c) {
-            mean[c] = static_cast<float>(place.emission + place.albedo[c] * average);
+            mean[c] = static_cast<float>(place.albedo[c] * average);
             variance[c] = place.albedo[c] * place.albedo[c] * spread;
         }
     }
@@ -105,38 +100,6 @@ MeasuredImage render(const SyntheticSettings& settings, ImageFault fault, std::u
 
 void scale(Color& color, double factor) {
     for (double& value : color) value *= factor;
-}
-
-/// Faults of a finished image.
-void spoil(MeasuredImage& image, ImageFault fault) {
-    const std::size_t pixels = image.mean.size();
-    if (fault == ImageFault::brighter) {
-        for (Color& color : image.mean) scale(color, 1.01);
-        for (Color& color : image.variance) scale(color, 1.01 * 1.01);
-    } else if (fault == ImageFault::black_pixels) {
-        for (std::size_t k = 0; k < 10; ++k) {
-            const std::size_t i = (pixels / 2 + k * 9973) % pixels;
-            image.mean[i] = image.variance[i] = {};
-        }
-    } else if (fault == ImageFault::dark_tile) {
-        // In full light, left of the middle; the only one of a small image.
-        const std::uint32_t x0 = image.width / 32 * 8;
-        const std::uint32_t y0 = image.height / 16 * 8;
-        for (std::uint32_t y = y0; y < std::min(y0 + 8, image.height); ++y) {
-            for (std::uint32_t x = x0; x < std::min(x0 + 8, image.width); ++x) {
-                scale(image.mean[std::size_t{y} * image.width + x], 0.95);
-            }
-        }
-    } else if (fault == ImageFault::not_a_number) {
-        image.mean[pixels / 2][1] = std::numeric_limits<double>::quiet_NaN();
-    } else if (fault == ImageFault::mirrored) {
-        for (auto* colors : {&image.mean, &image.variance}) {
-            for (std::uint32_t y = 0; y < image.height; ++y) {
-                const auto row = colors->begin() + std::ptrdiff_t{y} * image.width;
-                std::reverse(row, row + image.width);
-            }
-        }
-    }
 }
 
 }  // namespace
@@ -178,9 +141,44 @@ std::string_view name(ImageFault fault) {
     return "?";
 }
 
+bool happens_while_rendering(ImageFault fault) {
+    return fault == ImageFault::light_sample_dropped || fault == ImageFault::cosine_forgotten;
+}
+
+void plant(MeasuredImage& image, ImageFault fault) {
+    const std::size_t pixels = image.mean.size();
+    if (fault == ImageFault::brighter) {
+        for (Color& color : image.mean) scale(color, 1.01);
+        for (Color& color : image.variance) scale(color, 1.01 * 1.01);
+    } else if (fault == ImageFault::black_pixels) {
+        for (std::size_t k = 0; k < 10; ++k) {
+            const std::size_t i = (pixels / 2 + k * 9973) % pixels;
+            image.mean[i] = image.variance[i] = {};
+        }
+    } else if (fault == ImageFault::dark_tile) {
+        // In full light, left of the middle; the only one of a small image.
+        const std::uint32_t x0 = image.width / 32 * 8;
+        const std::uint32_t y0 = image.height / 16 * 8;
+        for (std::uint32_t y = y0; y < std::min(y0 + 8, image.height); ++y) {
+            for (std::uint32_t x = x0; x < std::min(x0 + 8, image.width); ++x) {
+                scale(image.mean[std::size_t{y} * image.width + x], 0.95);
+            }
+        }
+    } else if (fault == ImageFault::not_a_number) {
+        image.mean[pixels / 2][1] = std::numeric_limits<double>::quiet_NaN();
+    } else if (fault == ImageFault::mirrored) {
+        for (auto* colors : {&image.mean, &image.variance}) {
+            for (std::uint32_t y = 0; y < image.height; ++y) {
+                const auto row = colors->begin() + std::ptrdiff_t{y} * image.width;
+                std::reverse(row, row + image.width);
+            }
+        }
+    }
+}
+
 MeasuredImage synthetic_render(const SyntheticSettings& settings, ImageFault fault) {
     MeasuredImage image = render(settings, fault, 0);
-    spoil(image, fault);
+    plant(image, fault);
     return image;
 }
 

@@ -2,7 +2,7 @@
 ///
 /// Every pixel is a small estimator of its own, with what makes real noise awkward: half-shadow
 /// (a light sample is seen or not), indirect light that is mostly dim and now and then bright, a
-/// constant emitter, a black background, and on request fireflies.
+/// black background, and on request fireflies.
 #pragma once
 
 #include <cstdint>
@@ -38,6 +38,10 @@ struct SyntheticSettings {
 /// A render with that fault. Same settings, same bits, on any number of threads.
 MeasuredImage synthetic_render(const SyntheticSettings& settings,
                                ImageFault fault = ImageFault::none);
+
+/// Whether it is the estimator's; if not, plant() puts it into a finished render.
+bool happens_while_rendering(ImageFault fault);
+void plant(MeasuredImage& image, ImageFault fault);
 
 /// The converged image that such renders are judged by, with noise of its own: `factor` times the
 /// samples, another seed; another scene for wrong_golden.

@@ -1,39 +1,13 @@
 /// Small images for the tests of what reads, writes and judges them.
 #pragma once
 
-#include <unistd.h>
-
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <string>
 
+#include "tests/verify/temporary_folder.h"
 #include "verify/measured_image.h"
 
 namespace scotty::verify::test {
-
-/// A folder that goes when the test does.
-struct ImageFolder {
-    std::filesystem::path path;
-    ImageFolder() {
-        std::string pattern =
-            (std::filesystem::temp_directory_path() / "scotty_images_XXXXXX").string();
-        REQUIRE(mkdtemp(pattern.data()) != nullptr);
-        path = pattern;
-    }
-    ImageFolder(const ImageFolder&) = delete;
-    ImageFolder& operator=(const ImageFolder&) = delete;
-    ~ImageFolder() { std::filesystem::remove_all(path); }
-    std::string file(const char* name) const { return (path / name).string(); }
-};
-
-inline std::string bytes_of(const std::string& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
 
 /// A smooth picture without noise, of no symmetry; values are floats.
 inline MeasuredImage smooth_image(std::uint32_t width, std::uint32_t height) {

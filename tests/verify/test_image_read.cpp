@@ -49,7 +49,7 @@ void write_raw(const std::string& path, const std::vector<std::string>& channels
 
 TEST_CASE("image reading: what was written with its noise comes back bit for bit",
           "[verify][image]") {
-    const ImageFolder folder;
+    const TemporaryFolder folder;
     verify::MeasuredImage image = noisy_image();
     image.mean[4] = {-0.0, 1e-42, 6.5e37};
     for (verify::Color& color : image.mean) {
@@ -79,21 +79,21 @@ TEST_CASE("image reading: what was written with its noise comes back bit for bit
 
 TEST_CASE("image writing: the same image is the same file, and nothing is left beside it",
           "[verify][image]") {
-    const ImageFolder folder;
+    const TemporaryFolder folder;
     verify::MeasuredImage image = noisy_image();
     image.paths_per_sample = 16;
     verify::write_measured_image(image, folder.file("a.exr"), {{"scotty:scene", "coil"}});
     verify::write_measured_image(image, folder.file("b.exr"), {{"scotty:scene", "coil"}});
-    CHECK(bytes_of(folder.file("a.exr")).size() > 300);
-    CHECK(bytes_of(folder.file("a.exr")) == bytes_of(folder.file("b.exr")));
+    CHECK(slurp(folder.file("a.exr")).size() > 300);
+    CHECK(slurp(folder.file("a.exr")) == slurp(folder.file("b.exr")));
     CHECK(read_image(folder.file("a.exr")).image.paths_per_sample == 16);
-    CHECK(std::distance(std::filesystem::directory_iterator(folder.path), {}) == 2);
+    CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 2);
     CHECK_THROWS_WITH(verify::write_measured_image(image, folder.file("a.png")),
                       Contains("a.png") && Contains(".exr"));
 }
 
 TEST_CASE("image reading: an image without noise has none, and alpha is left", "[verify][image]") {
-    const ImageFolder folder;
+    const TemporaryFolder folder;
     write_raw(folder.file("a.exr"), {"R", "G", "B", "A"}, OIIO::TypeDesc::HALF);
     const verify::ReadImage read = read_image(folder.file("a.exr"));
     CHECK(read.encoding == "half");
@@ -104,7 +104,7 @@ TEST_CASE("image reading: an image without noise has none, and alpha is left", "
 }
 
 TEST_CASE("image reading: channels go by name, whatever their order", "[verify][image]") {
-    const ImageFolder folder;
+    const TemporaryFolder folder;
     write_raw(folder.file("a.tif"), {"B", "G", "R"}, OIIO::TypeDesc::FLOAT);
     write_raw(folder.file("a.exr"), {"B", "variance.B", "G", "variance.R", "R", "variance.G"},
               OIIO::TypeDesc::FLOAT);
@@ -118,7 +118,7 @@ TEST_CASE("image reading: channels go by name, whatever their order", "[verify][
 }
 
 TEST_CASE("image reading: a PNG is decoded from sRGB, colours not times alpha", "[verify][image]") {
-    const ImageFolder folder;
+    const TemporaryFolder folder;
     write_raw(folder.file("a.png"), {"R", "G", "B"}, OIIO::TypeDesc::UINT8, 128.0f / 255.0f);
     CHECK(read_image(folder.file("a.png")).image.mean[0][0] == Approx(0.215861).epsilon(1e-5));
     write_raw(folder.file("b.png"), {"R", "G", "B", "A"}, OIIO::TypeDesc::UINT8, 128.0f / 255.0f);
@@ -130,7 +130,7 @@ TEST_CASE("image reading: a PNG is decoded from sRGB, colours not times alpha", 
 }
 
 TEST_CASE("image reading: other channels, crops and folders are refused", "[verify][image]") {
-    const ImageFolder folder;
+    const TemporaryFolder folder;
     write_raw(folder.file("depth.exr"), {"Z", "beauty.R"}, OIIO::TypeDesc::FLOAT);
     CHECK_THROWS_WITH(read_image(folder.file("depth.exr")),
                       Contains("depth.exr") && Contains("R, G, B") && Contains("beauty.R"));
@@ -140,12 +140,12 @@ TEST_CASE("image reading: other channels, crops and folders are refused", "[veri
     CHECK_THROWS_WITH(read_image(folder.file("half.exr")), Contains("variance.G"));
     write_raw(folder.file("crop.exr"), {"R", "G", "B"}, OIIO::TypeDesc::FLOAT, 0.25f, 3);
     CHECK_THROWS_WITH(read_image(folder.file("crop.exr")), Contains("4x2") && Contains("7x2"));
-    CHECK_THROWS_WITH(read_image(folder.path.string()), Contains("found a folder"));
+    CHECK_THROWS_WITH(read_image(folder.path().string()), Contains("found a folder"));
 }
 
 TEST_CASE("image reading: a missing, foreign, empty or half-written file is refused by name",
           "[verify][image]") {
-    const ImageFolder folder;
+    const TemporaryFolder folder;
     CHECK_THROWS_WITH(read_image(folder.file("none.exr")),
                       Contains("none.exr") && Contains("no such file"));
     for (const char* name : {"text.exr", "text.png"}) {
@@ -164,7 +164,7 @@ TEST_CASE("image reading: a missing, foreign, empty or half-written file is refu
     }
     verify::write_image(picture, folder.file("whole.png"));
     for (const std::string extension : {".exr", ".png"}) {
-        const std::string whole = bytes_of(folder.file(("whole" + extension).c_str()));
+        const std::string whole = slurp(folder.file(("whole" + extension).c_str()));
         for (const double share : {0.02, 0.3, 0.6, 0.9}) {
             const std::string cut = folder.file(("cut" + extension).c_str());
             const auto size = static_cast<std::size_t>(share * static_cast<double>(whole.size()));
@@ -176,9 +176,9 @@ TEST_CASE("image reading: a missing, foreign, empty or half-written file is refu
 }
 
 TEST_CASE("image reading: a bit flipped in the pixels of an EXR is noticed", "[verify][image]") {
-    const ImageFolder folder;
+    const TemporaryFolder folder;
     verify::write_measured_image(smooth_image(61, 47), folder.file("a.exr"));
-    std::string bytes = bytes_of(folder.file("a.exr"));
+    std::string bytes = slurp(folder.file("a.exr"));
     bytes[bytes.size() * 2 / 3] = static_cast<char>(bytes[bytes.size() * 2 / 3] ^ 0x10);
     std::ofstream(folder.file("a.exr"), std::ios::binary) << bytes;
     CHECK_THROWS_WITH(read_image(folder.file("a.exr")), Contains("a.exr"));
