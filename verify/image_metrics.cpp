@@ -12,7 +12,7 @@
 namespace scotty::verify {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 /// Floats in order on a line of integers, both zeros at 0.
 std::int64_t place_of(float value) {
@@ -50,7 +50,7 @@ double encoded(double linear) { return srgb_encode(static_cast<float>(linear)); 
 double ulps_between(double a, double b) {
     const auto x = static_cast<float>(a);
     const auto y = static_cast<float>(b);
-    if (std::isnan(x) || std::isnan(y)) return std::isnan(x) && std::isnan(y) ? 0.0 : kInfinity;
+    if (std::isnan(x) || std::isnan(y)) return std::isnan(x) && std::isnan(y) ? 0.0 : kInfinite;
     return static_cast<double>(std::abs(place_of(x) - place_of(y)));
 }
 
@@ -77,7 +77,7 @@ ImageMetrics image_metrics(const MeasuredImage& image, const MeasuredImage& gold
         image, golden, [](double a, double b) { return (a - b) * (a - b) / (b * b + 0.01); });
     const double squares = mean_over_values(
         image, golden, [](double a, double b) { return std::pow(encoded(a) - encoded(b), 2); });
-    metrics.psnr = squares > 0.0 ? -10.0 * std::log10(squares) : kInfinity;
+    metrics.psnr = squares > 0.0 ? -10.0 * std::log10(squares) : kInfinite;
     return metrics;
 }
 

@@ -9,7 +9,7 @@
 namespace scotty::verify {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 double paths_of(const MeasuredImage& image) {
     return static_cast<double>(image.samples) * static_cast<double>(image.paths_per_sample);
@@ -65,7 +65,7 @@ std::string NoisyPair::why_not(const MeasuredImage& image, const MeasuredImage& 
 
 NoisyPair::Side NoisyPair::side_of(const MeasuredImage& image) {
     const double degrees_of_freedom =
-        image.samples == 0 ? kInfinity : static_cast<double>(image.samples) - 1.0;
+        image.samples == 0 ? kUnbounded : static_cast<double>(image.samples) - 1.0;
     return {&image, degrees_of_freedom, paths_of(image)};
 }
 
@@ -76,7 +76,7 @@ NoisyPair::NoisyPair(const MeasuredImage& image, const MeasuredImage& golden)
 
 /// Satterthwaite's, of a sum of independent estimates that have the same degrees of freedom each.
 double NoisyPair::Sums::degrees_of_freedom(const Side& side) const {
-    if (!(squared_variance > 0.0)) return kInfinity;
+    if (!(squared_variance > 0.0)) return kUnbounded;
     return side.degrees_of_freedom * variance * variance / squared_variance;
 }
 
@@ -108,7 +108,7 @@ NoisyPair::Noise NoisyPair::noise_of_difference(const Sums& image, const Sums& g
     const double variance = image.variance + golden.variance;
     const double spread =
         image.variance * image.variance / df_image + golden.variance * golden.variance / df_golden;
-    return {variance, spread > 0.0 ? variance * variance / spread : kInfinity};
+    return {variance, spread > 0.0 ? variance * variance / spread : kUnbounded};
 }
 
 RegionTest NoisyPair::test(const Region& region, std::size_t channel) const {
@@ -124,7 +124,7 @@ RegionTest NoisyPair::test(const Region& region, std::size_t channel) const {
     const double slack = rounding_ * std::max(std::abs(image.value), std::abs(golden.value));
     const double excess = std::abs(difference) - slack;
     if (!(excess > 0.0)) return test;
-    const double size = noise.variance > 0.0 ? excess / std::sqrt(noise.variance) : kInfinity;
+    const double size = noise.variance > 0.0 ? excess / std::sqrt(noise.variance) : kUnbounded;
     test.statistic = std::copysign(size, difference);
     return test;
 }
