@@ -152,9 +152,10 @@ DiffReport compare(const DiffCommand& options) {
 int run_diff(const DiffCommand& options) {
     if (compares_images(options)) return run_image_diff(options);
     if (options.image_options) {
-        throw Error::bad_input("scotty diff",
-                               "--false-alarm, --heavy-tailed, --tolerance, --samples and "
-                               "--heatmap are for images, which end in .exr, .png or the like");
+        throw Error::bad_input(
+            "scotty diff",
+            "--false-alarm, --heavy-tailed, --tolerance, --samples, "
+            "--also and --heatmap are for images, which end in .exr, .png or the like");
     }
     const DiffReport report = compare(options);
     if (report.stages.empty()) {
@@ -192,6 +193,10 @@ void add_image_options(CLI::App& command, const std::shared_ptr<DiffCommand>& op
     given(command.add_option("--samples", options->image.samples,
                              "a pixel of IMAGE has, where the file does not say"))
         ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 31));
+    given(command.add_option("--also", options->image.also,
+                             "renders like IMAGE with other seeds: its noise is what they differ "
+                             "by"))
+        ->type_name("FILE");
     given(command.add_option("--heatmap", options->image.heat_map,
                              "write where they differ: z, or ulps where noise is not known"))
         ->type_name("FILE.png");
@@ -216,6 +221,7 @@ void add_diff_command(CLI::App& app, Action& action) {
         "  scotty diff A B --stages '*/intersect' --json\n"
         "  scotty diff IMAGE.exr GOLDEN.exr            (by noise, where the files know theirs)\n"
         "  scotty diff cuda.exr GOLDEN.exr --samples 256 --heatmap z.png\n"
+        "  scotty diff a.exr GOLDEN.exr --also b.exr c.exr d.exr\n"
         "  scotty diff a.png b.png --tolerance 0.02\n\n"
         "Verdicts: identical, reordered (where the order is free), differs. Exit code 1 where\n"
         "anything differs, is missing on one side, or is not finite. Images: layout, finite, then "

@@ -5,6 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "verify/image_gates.h"
 #include "verify/image_read.h"
@@ -17,6 +18,9 @@ struct ImageDiffSettings {
     std::optional<double> tolerance;
     std::uint64_t samples = 0;  ///< a pixel of the image has, where its file does not say; 0: none
     std::string heat_map;       ///< .png or .exr to write; empty: none
+    /// The same render with other seeds: the image judged is then the mean of all, and its noise
+    /// what they differ by.
+    std::vector<std::string> also;
 };
 
 struct ImageDiff {

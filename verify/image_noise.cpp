@@ -99,11 +99,11 @@ NoisyPair::Noise NoisyPair::noise_of_difference(const Sums& image, const Sums& g
     const double df_image = image.degrees_of_freedom(image_);
     const double df_golden = golden.degrees_of_freedom(golden_);
     if (image_.paths != 0.0 && golden_.paths != 0.0) {
-        const double path_image = image.variance * image_.paths;
-        const double path_golden = golden.variance * golden_.paths;
-        const double both = 1.0 / image_.paths + 1.0 / golden_.paths;
-        return path_image > path_golden ? Noise{path_image * both, df_image}
-                                        : Noise{path_golden * both, df_golden};
+        // The fewer degrees of freedom hold too: an estimate from few samples can be the smaller
+        // one by chance, and the other image's certainty is none about this one's noise.
+        const double path =
+            std::max(image.variance * image_.paths, golden.variance * golden_.paths);
+        return {path * (1.0 / image_.paths + 1.0 / golden_.paths), std::min(df_image, df_golden)};
     }
     const double variance = image.variance + golden.variance;
     const double spread =

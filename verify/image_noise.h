@@ -3,7 +3,8 @@
 /// Two things keep the answer sound where a plain Welch test is not:
 /// - A pixel that by chance saw no rare bright path has a small mean and, worse, next to no
 ///   estimated variance. Where both images say how many paths they are made of, the larger of the
-///   two estimates of one path's variance therefore holds for both.
+///   two estimates of one path's variance therefore holds for both, with the fewer degrees of
+///   freedom.
 /// - Rounding of float sums is no noise. A difference counts only beyond what adding so many floats
 ///   one by one can be off, so a constant pixel (background, emitter) may differ by that and no
 ///   more: beyond it, with no variance at all, the statistic is infinite.

@@ -108,6 +108,31 @@ TEST_CASE("scotty diff: an image that does not know its noise is never passed fo
     CHECK_THAT(known.diff("--samples 512").err, Contains("256 samples a pixel, not 512"));
 }
 
+TEST_CASE("scotty diff: renders with other seeds say how noisy they are", "[verify][image][cli]") {
+    for (const ImageFault fault : {ImageFault::none, ImageFault::cosine_forgotten}) {
+        const Pair pair(fault, false);
+        std::string also = "--samples 256 --also";
+        for (std::uint64_t seed = 2; seed <= 6; ++seed) {
+            verify::SyntheticSettings settings = pair.settings;
+            settings.seed = seed;
+            MeasuredImage render = verify::synthetic_render(settings, fault);
+            render.variance.clear();
+            const std::string file =
+                pair.folder.file(("b" + std::to_string(seed) + ".exr").c_str());
+            verify::write_measured_image(render, file);
+            also += " " + file;
+        }
+        const Result result = pair.diff(also);
+        INFO(result.out << result.err);
+        CHECK(result.exit_code == (fault == ImageFault::none ? 0 : 1));
+        CHECK_THAT(result.out, Contains("6 samples of 256 paths, with variances"));
+        CHECK_THAT(pair.diff("--also " + pair.image).err, Contains("--samples"));
+        verify::write_measured_image(smooth_image(7, 7), pair.folder.file("small.exr"));
+        CHECK_THAT(pair.diff("--samples 256 --also " + pair.folder.file("small.exr")).err,
+                   Contains("small.exr: has another size"));
+    }
+}
+
 TEST_CASE("scotty diff: without noise on either side only equal bits pass, or a stated tolerance",
           "[verify][image][cli]") {
     const TemporaryFolder folder;

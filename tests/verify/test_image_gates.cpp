@@ -210,6 +210,21 @@ TEST_CASE("image gates: few samples mean Student's tails, not the normal's",
     CHECK(fails(judge_image(image, truth, {}), Gate::pixel));
 }
 
+TEST_CASE("image gates: a calmer golden image does not lend its certainty to few samples",
+          "[verify][image][gates]") {
+    // By chance 6 renders agree better than they should; the golden image's paths are less noisy
+    // than theirs. 10 deviations of the golden image's noise are no proof.
+    MeasuredImage image = flat(0.5, 1e-4, 6);
+    image.paths_per_sample = 256;
+    const MeasuredImage truth = flat(0.5, 1e-5 * 1536 / 4096, 4096);
+    image.mean[40] = {0.54, 0.54, 0.54};
+    image.variance[40] = {1e-6, 1e-6, 1e-6};
+    const ImageVerdict verdict = judge_image(image, truth, {});
+    INFO(told(verdict));
+    CHECK(result_of(verdict, Gate::pixel).statistic > 9.0);
+    CHECK(verdict.passed());
+}
+
 TEST_CASE("image gates: a variance that is missing follows from the other image's samples",
           "[verify][image][gates]") {
     MeasuredImage image = synthetic_render(settings_of(4));
