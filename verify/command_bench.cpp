@@ -1,11 +1,15 @@
-/// scotty bench: how fast.
+/// scotty bench: how fast, and how sharp the image gates are.
 #include <spdlog/spdlog.h>
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "reference/error.h"
 #include "scenes/scenes.h"
 #include "verify/bench.h"
+#include "verify/bench_gates.h"
 #include "verify/bench_simt.h"
 #include "verify/command.h"
 #include "verify/options.h"
@@ -20,6 +24,7 @@ struct BenchOptions {
     std::string scene = "coil";
     std::string json;
     BenchSettings settings;
+    GateBenchSettings gates;
 };
 
 template <class Report>
@@ -31,8 +36,35 @@ int print_report(const BenchOptions& options, Progress& progress, const Report& 
     return kExitPassed;
 }
 
-int run_bench(BenchOptions& options) {
+/// What the picture options say; a size and samples of its own where they say nothing.
+GateBenchSettings gate_settings(const BenchOptions& options, const CLI::App& command) {
+    GateBenchSettings gates = options.gates;
+    const reference::PipelineParameters& p = options.settings.parameters;
+    if (command.count("--size") != 0) {
+        gates.image.width = p.image_width;
+        gates.image.height = p.image_height;
+    }
+    if (command.count("--spp") != 0) gates.image.samples = p.spp;
+    if (command.count("--seed") != 0) gates.image.seed = p.seed;
+    if (gates.image.samples < 2) {
+        throw reference::Error::bad_input(
+            "--spp", "expected 2 or more: one sample has no variance, found 1");
+    }
+    return gates;
+}
+
+int run_bench(BenchOptions& options, const CLI::App& command) {
     reference::validate(options.settings.parameters);
+    if (options.what == "gates") {
+        GateBenchSettings gates = gate_settings(options, command);
+        const std::size_t threads = options.settings.threads;
+        const tbb::global_control limit(
+            tbb::global_control::max_allowed_parallelism,
+            threads != 0 ? threads : static_cast<std::size_t>(tbb::info::default_concurrency()));
+        Progress progress;
+        gates.progress = [&](const std::string& what) { progress.show(what); };
+        return print_report(options, progress, bench_gates(gates));
+    }
     const reference::Scene scene = scenes::load_scene(options.scene);
     for (const std::string& warning : scene.warnings) spdlog::warn("{}", warning);
     Progress progress;
@@ -47,14 +79,18 @@ int run_bench(BenchOptions& options) {
 
 void add_bench_command(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand(
-        "bench", "Measure rays per second by ray kind, and time by stage and level.");
+        "bench",
+        "Measure rays per second by ray kind, and time by stage and level; or the power of the "
+        "image gates.");
     command->footer(
         "Examples:\n"
         "  scotty bench emulator                        the coil at 512x512\n"
         "  scotty bench emulator blob --width 16 --threads 1\n"
         "  scotty bench emulator --json - | jq .ratio_to_embree\n"
         "  scotty bench simt                            the CUDA text on the CPU, beside the "
-        "emulator\n\n"
+        "emulator\n"
+        "  scotty bench gates --trials 50 --spp 64      which faults the image gates reject, how "
+        "often\n\n"
         "The rays of every traversal of one render are collected first and then traced by both, "
         "in\n"
         "turn: the same rays, threads and machine. Embree traces single rays.");
@@ -62,9 +98,9 @@ void add_bench_command(CLI::App& app, Action& action) {
     options->settings.parameters.image_width = 512;
     options->settings.parameters.image_height = 512;
     options->settings.parameters.spp = 1;
-    command->add_option("what", options->what, "what to measure: emulator or simt")
+    command->add_option("what", options->what, "what to measure: emulator, simt or gates")
         ->required()
-        ->check(CLI::IsMember({"emulator", "simt"}));
+        ->check(CLI::IsMember({"emulator", "simt", "gates"}));
     command->add_option("scene", options->scene, "a built-in scene (scotty list) or a file")
         ->capture_default_str();
     command->add_option("--json", options->json, "write the figures as JSON; - is standard output")
@@ -77,10 +113,20 @@ void add_bench_command(CLI::App& app, Action& action) {
     command->add_option("--warm-ups", options->settings.warm_ups, "rounds before those")
         ->check(CLI::Range(0, 1000))
         ->capture_default_str();
+    command->add_option("--trials", options->gates.trials, "gates: images for each fault")
+        ->check(CLI::Range(1, 1000000))
+        ->capture_default_str();
+    command
+        ->add_option("--false-alarm", options->gates.false_alarm,
+                     "gates: probability that a sound image is rejected")
+        ->check(CLI::Range(1e-15, 0.5))
+        ->capture_default_str();
     add_thread_option(*command, options->settings.threads);
     add_picture_options(*command, options->settings.parameters);
     add_pipeline_options(*command, options->settings.parameters);
-    command->callback([&action, options] { action = [options] { return run_bench(*options); }; });
+    command->callback([&action, options, command] {
+        action = [options, command] { return run_bench(*options, *command); };
+    });
 }
 
 }  // namespace scotty::verify

@@ -1,5 +1,6 @@
-/// scotty diff: two captures, or a capture and a fresh run, launch by launch.
+/// scotty diff: two captures, or a capture and a fresh run, launch by launch; or two images.
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <memory>
@@ -8,6 +9,8 @@
 #include "reference/error.h"
 #include "verify/command.h"
 #include "verify/diff.h"
+#include "verify/image_diff.h"
+#include "verify/image_noise.h"
 #include "verify/options.h"
 #include "verify/pipeline_input.h"
 #include "verify/replay.h"
@@ -27,7 +30,36 @@ struct DiffCommand {
     bool json = false;
     std::size_t threads = 0;
     reference::PipelineParameters parameters;  ///< of --backends on a scene
+    ImageDiffSettings image;
+    bool image_options = false;  ///< one of those was given
 };
+
+bool compares_images(const DiffCommand& options) {
+    return options.backends.empty() && (is_image_path(options.a) || is_image_path(options.b));
+}
+
+int run_image_diff(const DiffCommand& options) {
+    if (options.b.empty()) {
+        throw Error::bad_input(options.a,
+                               "expected the golden image to hold it against: scotty "
+                               "diff IMAGE GOLDEN");
+    }
+    if (!options.backend.empty() || options.isolated || !options.stages.empty()) {
+        throw Error::bad_input("scotty diff",
+                               "--backend, --isolated and --stages are for captures, not images");
+    }
+    if (!options.image.heat_map.empty()) check_image_path(options.image.heat_map);
+    const ImageDiff diff = diff_images(options.a, options.b, options.image);
+    if (!options.image.heat_map.empty()) {
+        if (NoisyPair::other_layout(diff.image.image, diff.golden.image).empty()) {
+            write_heat_map(diff, options.image.heat_map);
+        } else {
+            spdlog::warn("{} is not written: the layouts differ", options.image.heat_map);
+        }
+    }
+    print_result(options.json ? to_json(diff).dump(2) : to_text(diff));
+    return diff.verdict.passed() ? kExitPassed : kExitFailed;
+}
 
 bool is_backend(const std::string& name) {
     const auto& names = backend_names();
@@ -118,6 +150,13 @@ DiffReport compare(const DiffCommand& options) {
 }
 
 int run_diff(const DiffCommand& options) {
+    if (compares_images(options)) return run_image_diff(options);
+    if (options.image_options) {
+        throw Error::bad_input(
+            "scotty diff",
+            "--false-alarm, --heavy-tailed, --tolerance, --samples, "
+            "--also and --heatmap are for images, which end in .exr, .png or the like");
+    }
     const DiffReport report = compare(options);
     if (report.stages.empty()) {
         throw Error::bad_input("scotty diff",
@@ -128,11 +167,48 @@ int run_diff(const DiffCommand& options) {
     return report.passed() ? kExitPassed : kExitFailed;
 }
 
+void add_image_options(CLI::App& command, const std::shared_ptr<DiffCommand>& options) {
+    const auto given = [options](CLI::Option* option) {
+        option->each([options](const std::string&) { options->image_options = true; });
+        return option->group("Images");
+    };
+    given(command.add_option("--false-alarm", options->image.gates.false_alarm,
+                             "probability that a sound image is rejected"))
+        ->check(CLI::Range(1e-15, 0.5))
+        ->capture_default_str();
+    command
+        .add_flag_callback(
+            "--heavy-tailed",
+            [options] {
+                options->image.gates.light_tailed = false;
+                options->image_options = true;
+            },
+            "caustics or fireflies: single pixels prove nothing")
+        ->group("Images");
+    given(command.add_option("--tolerance", options->image.tolerance,
+                             "judge by this share of a value, or of the golden image's mean where "
+                             "that is more; 0: the same bits"))
+        ->check(CLI::Range(0.0, 1.0))
+        ->type_name("REL");
+    given(command.add_option("--samples", options->image.samples,
+                             "a pixel of IMAGE has, where the file does not say"))
+        ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 31));
+    given(command.add_option("--also", options->image.also,
+                             "renders like IMAGE with other seeds: its noise is what they differ "
+                             "by"))
+        ->type_name("FILE");
+    given(command.add_option("--heatmap", options->image.heat_map,
+                             "write where they differ: z, or ulps where noise is not known"))
+        ->type_name("FILE.png");
+}
+
 }  // namespace
 
 void add_diff_command(CLI::App& app, Action& action) {
     auto* command = app.add_subcommand(
-        "diff", "Compare two captures, or a capture with a fresh run, kernel launch by launch.");
+        "diff",
+        "Compare two captures, or a capture with a fresh run, kernel launch by launch; or an "
+        "image with its golden image.");
     command->footer(
         "Examples:\n"
         "  scotty diff coil.emulator coil.cuda\n"
@@ -142,15 +218,23 @@ void add_diff_command(CLI::App& app, Action& action) {
         "                                               tells a wrong kernel from wrong data)\n"
         "  scotty diff --backends emulator,simt coil --size 32x24 --width 4\n"
         "  scotty diff --backends simt,coil.cuda --isolated\n"
-        "  scotty diff A B --stages '*/intersect' --json\n\n"
+        "  scotty diff A B --stages '*/intersect' --json\n"
+        "  scotty diff IMAGE.exr GOLDEN.exr            (by noise, where the files know theirs)\n"
+        "  scotty diff cuda.exr GOLDEN.exr --samples 256 --heatmap z.png\n"
+        "  scotty diff a.exr GOLDEN.exr --also b.exr c.exr d.exr\n"
+        "  scotty diff a.png b.png --tolerance 0.02\n\n"
         "Verdicts: identical, reordered (where the order is free), differs. Exit code 1 where\n"
-        "anything differs, is missing on one side, or is not finite.");
+        "anything differs, is missing on one side, or is not finite. Images: layout, finite, then "
+        "the\nmean of all, of 8x8 tiles and of pixels by their noise; where neither image knows "
+        "its noise,\nequal bits or --tolerance.");
     auto options = std::make_shared<DiffCommand>();
     options->parameters.image_width = 64;
     options->parameters.image_height = 64;
     options->parameters.spp = 1;
-    command->add_option("a", options->a, "a capture: what is expected; with --backends: a scene");
-    command->add_option("b", options->b, "another capture; none: --backend runs");
+    command->add_option("a", options->a,
+                        "a capture: what is expected; with --backends: a scene; or an image");
+    command->add_option("b", options->b,
+                        "another capture, none: --backend runs; or the golden image");
     command->add_option("--backend", options->backend,
                         "emulator, simt or cuda: who runs the pipeline [emulator]");
     command
@@ -169,6 +253,7 @@ void add_diff_command(CLI::App& app, Action& action) {
     command->add_option("--stages", options->stages, "only stages of such names [all]")
         ->type_name("PATTERN");
     command->add_flag("--json", options->json, "the result as JSON");
+    add_image_options(*command, options);
     add_thread_option(*command, options->threads);
     add_picture_options(*command, options->parameters);
     add_pipeline_options(*command, options->parameters);

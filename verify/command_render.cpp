@@ -4,6 +4,7 @@
 #include <tbb/global_control.h>
 
 #include <chrono>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -73,6 +74,24 @@ Image render(const RenderOptions& options, reference::Scene scene) {
     return backend.render(input, &observer);
 }
 
+/// An EXR says how many paths a pixel has, unless a filter mixed pixels: `scotty diff` can then
+/// judge it by a golden image's noise.
+void write(const RenderOptions& options, const Image& image) {
+    const reference::PipelineParameters& p = options.parameters;
+    const bool filtered = options.backend != "embree" && p.filter != reference::Filter::none &&
+                          p.spp < p.filter_threshold;
+    if (std::filesystem::path(options.output).extension() != ".exr" || filtered) {
+        write_image(image, options.output, options.exposure);
+        return;
+    }
+    MeasuredImage measured{image.width, image.height, {}, {}, p.spp, 1};
+    measured.mean.reserve(image.pixels.size());
+    for (const reference::Vec3& pixel : image.pixels) {
+        measured.mean.push_back({pixel.x, pixel.y, pixel.z});
+    }
+    write_measured_image(measured, options.output);
+}
+
 int run_render(const RenderOptions& options) {
     const auto start = std::chrono::steady_clock::now();
     reference::validate(options.parameters);
@@ -98,7 +117,7 @@ int run_render(const RenderOptions& options) {
     }
     const std::size_t triangles = scene.triangles.size();
     const Image image = render(options, std::move(scene));
-    write_image(image, options.output, options.exposure);
+    write(options, image);
     spdlog::info("{}: {} triangles, {}x{} pixels, {} samples, {}, {:.1f} s", options.output,
                  triangles, image.width, image.height, options.parameters.spp, options.backend,
                  std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
@@ -114,7 +133,8 @@ void add_render_command(CLI::App& app, Action& action) {
         "  scotty render coil -o coil.png --size 640x400 --spp 16\n"
         "  scotty render CBspheres.dae -o spheres.exr --backend embree\n"
         "  scotty render spheres -o smooth.png --filter median --exposure 1\n\n"
-        "EXR holds linear radiance in float32; PNG holds 8-bit sRGB of radiance * 2^exposure.");
+        "EXR holds linear radiance in float32, and the samples a pixel; PNG holds 8-bit sRGB of "
+        "radiance * 2^exposure.");
     auto options = std::make_shared<RenderOptions>();
     command->add_option("scene", options->scene, "a built-in scene (scotty list) or a file")
         ->required();

@@ -5,11 +5,15 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <memory>
+#include <string>
 #include <system_error>
 #include <vector>
 
+#include "reference/assert.h"
 #include "reference/error.h"
+#include "verify/srgb.h"
 
 namespace scotty::verify {
 
@@ -18,20 +22,14 @@ using reference::Error;
 
 namespace {
 
-/// IEC 61966-2-1.
-float srgb(float linear) {
-    if (!(linear > 0.0f)) return 0.0f;  // NaN too: the verification finds those, not the picture
-    if (linear >= 1.0f) return 1.0f;
-    return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1.0f / 2.4f) - 0.055f;
-}
-
 std::vector<std::uint8_t> to_png_bytes(const reference::Image& image, float exposure) {
     const float scale = std::exp2(exposure);
     std::vector<std::uint8_t> bytes;
     bytes.reserve(image.pixels.size() * 3);
     for (const reference::Vec3& pixel : image.pixels) {
         for (const float value : {pixel.x, pixel.y, pixel.z}) {
-            bytes.push_back(static_cast<std::uint8_t>(std::lround(srgb(value * scale) * 255.0f)));
+            bytes.push_back(
+                static_cast<std::uint8_t>(std::lround(srgb_encode(value * scale) * 255.0f)));
         }
     }
     return bytes;
@@ -45,6 +43,50 @@ struct Unfinished {
         fs::remove(path, ignored);
     }
 };
+
+/// What makes an EXR's bytes a function of what is in it.
+void settle_exr(OIIO::ImageSpec& spec) {
+    spec.attribute("compression", "zip");
+    spec.attribute("oiio:ColorSpace", "Linear");
+    // Else it is the time of writing.
+    spec.attribute("DateTime", "1970:01:01 00:00:00");
+}
+
+void write_pixels(const OIIO::ImageSpec& spec, const void* data, const std::string& path) {
+    const fs::path target(path);
+    // The extension stays last: OpenImageIO goes by it.
+    const Unfinished unfinished{target.parent_path() / (target.stem().string() + ".unfinished" +
+                                                        target.extension().string())};
+    const auto output = OIIO::ImageOutput::create(unfinished.path.string());
+    if (!output) throw Error::bad_input(path, "cannot be written: " + OIIO::geterror());
+    if (!output->open(unfinished.path.string(), spec) || !output->write_image(spec.format, data) ||
+        !output->close()) {
+        throw Error::bad_input(path, "cannot be written: " + output->geterror());
+    }
+    std::error_code error;
+    fs::rename(unfinished.path, target, error);
+    if (error) throw Error::bad_input(path, "cannot be written: " + error.message());
+}
+
+int attribute_count(std::uint64_t count, const char* what, const std::string& path) {
+    if (count > static_cast<std::uint64_t>(std::numeric_limits<int>::max())) {
+        throw Error::bad_input(path, std::string("an image file holds at most 2^31 - 1 ") + what +
+                                         ", found " + std::to_string(count));
+    }
+    return static_cast<int>(count);
+}
+
+/// Color by color: R, G, B and, where it is known, the variances.
+std::vector<float> interleaved(const MeasuredImage& image) {
+    std::vector<float> values;
+    values.reserve(image.mean.size() * (image.variance.empty() ? 3 : 6));
+    for (std::size_t i = 0; i < image.mean.size(); ++i) {
+        for (const double value : image.mean[i]) values.push_back(static_cast<float>(value));
+        if (image.variance.empty()) continue;
+        for (const double value : image.variance[i]) values.push_back(static_cast<float>(value));
+    }
+    return values;
+}
 
 }  // namespace
 
@@ -62,31 +104,38 @@ void check_image_path(const std::string& path) {
 
 void write_image(const reference::Image& image, const std::string& path, float exposure) {
     check_image_path(path);
-    const fs::path target(path);
-    const bool exr = target.extension() == ".exr";
-    // The extension stays last: OpenImageIO goes by it.
-    Unfinished unfinished{target.parent_path() /
-                          (target.stem().string() + ".unfinished" + target.extension().string())};
-    const auto output = OIIO::ImageOutput::create(unfinished.path.string());
-    if (!output) throw Error::bad_input(path, "cannot be written: " + OIIO::geterror());
+    const bool exr = fs::path(path).extension() == ".exr";
     const OIIO::TypeDesc type = exr ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8;
     OIIO::ImageSpec spec(static_cast<int>(image.width), static_cast<int>(image.height), 3, type);
-    if (exr) {
-        spec.attribute("compression", "zip");
-        spec.attribute("oiio:ColorSpace", "Linear");
-        // Else it is the time of writing; the same picture is the same file.
-        spec.attribute("DateTime", "1970:01:01 00:00:00");
-    }
+    if (exr) settle_exr(spec);
     const std::vector<std::uint8_t> bytes =
         exr ? std::vector<std::uint8_t>() : to_png_bytes(image, exposure);
-    const void* data = exr ? static_cast<const void*>(image.pixels.data()) : bytes.data();
-    if (!output->open(unfinished.path.string(), spec) || !output->write_image(type, data) ||
-        !output->close()) {
-        throw Error::bad_input(path, "cannot be written: " + output->geterror());
+    write_pixels(spec, exr ? static_cast<const void*>(image.pixels.data()) : bytes.data(), path);
+}
+
+void write_measured_image(const MeasuredImage& image, const std::string& path,
+                          const ImageAttributes& attributes) {
+    check_image_path(path);
+    if (fs::path(path).extension() != ".exr") {
+        throw Error::bad_input(path,
+                               "expected a file name that ends in .exr: a .png has no room "
+                               "for variances");
     }
-    std::error_code error;
-    fs::rename(unfinished.path, target, error);
-    if (error) throw Error::bad_input(path, "cannot be written: " + error.message());
+    SCOTTY_ASSERT(image.mean.size(), ==, std::size_t{image.width} * image.height);
+    const bool noisy = !image.variance.empty();
+    OIIO::ImageSpec spec(static_cast<int>(image.width), static_cast<int>(image.height),
+                         noisy ? 6 : 3, OIIO::TypeDesc::FLOAT);
+    if (noisy) spec.channelnames = {"R", "G", "B", "variance.R", "variance.G", "variance.B"};
+    settle_exr(spec);
+    for (const auto& [name, value] : attributes) spec.attribute(name, value);
+    if (image.samples != 0) {
+        spec.attribute("scotty:samples", attribute_count(image.samples, "samples", path));
+    }
+    if (image.paths_per_sample != 1) {
+        spec.attribute("scotty:paths_per_sample",
+                       attribute_count(image.paths_per_sample, "paths per sample", path));
+    }
+    write_pixels(spec, interleaved(image).data(), path);
 }
 
 }  // namespace scotty::verify

@@ -18,9 +18,11 @@ enum class Gate {
     global,  ///< mean of the whole image: sees a bias of a percent
     tile,    ///< 8x8 tiles by Welch's test: sees a region
     pixel,   ///< single pixels: sees dots; for light-tailed scenes only
+    equal,   ///< in place of the last three where no noise is known: equal, or within a tolerance
 };
 std::string_view name(Gate gate);
 
+/// How the three statistical gates measure: verify/image_noise.h.
 struct GateSettings {
     /// Probability that an image without a fault fails any gate at all, for one image. Divided
     /// among gates and, after Sidak, among tiles, pixels and channels.
@@ -43,7 +45,10 @@ struct GateResult {
     std::string text;  ///< one sentence, with the place and both values
 };
 
-/// Shown beside a verdict, never judged by.
+/// What each of `images` images may have, for a run to have `run` altogether (Sidak).
+double false_alarm_per_image(double run, std::uint64_t images);
+
+/// Shown beside a verdict, never judged by; NaN where an image is not finite or layouts differ.
 struct ImageMetrics {
     double flip = 0.0;      ///< mean of the LDR-FLIP map, 0 to 1 (Andersson et al. 2020)
     double rel_mse = 0.0;   ///< mean of (a - b)^2 / (b^2 + 0.01)
@@ -54,6 +59,7 @@ struct ImageMetrics {
 struct WorstPixel {
     std::uint32_t x = 0, y = 0;
     double z = 0.0;  ///< largest over channels; 0 where variances are not known
+    double ulps = 0.0;
     Color image{}, golden{};
 };
 
@@ -65,8 +71,15 @@ struct ImageVerdict {
     const GateResult* first_failure() const;  ///< null where none
 };
 
+/// A variance that is missing on one side follows from the other's where both say their samples.
 /// Never throws for a bad image: that is the layout or the finite gate's finding.
 ImageVerdict judge_image(const MeasuredImage& image, const MeasuredImage& golden,
                          const GateSettings& settings);
+
+/// The same where neither image knows its noise: layout, finite, and `equal`. A tolerance of 0
+/// means the same bits; otherwise values may be off by that share of the larger of both, or of the
+/// golden image's mean where that is more.
+ImageVerdict judge_without_noise(const MeasuredImage& image, const MeasuredImage& golden,
+                                 double tolerance);
 
 }  // namespace scotty::verify

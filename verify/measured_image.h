@@ -19,6 +19,9 @@ struct MeasuredImage {
     /// empty where it is not known.
     std::vector<Color> variance;
     std::uint64_t samples = 0;  ///< independent samples in every pixel; 0: not known
+    /// More than one where a "sample" is itself the mean of so many paths, as when the variance
+    /// comes from renders with other seeds. Paths in a pixel: samples * paths_per_sample.
+    std::uint64_t paths_per_sample = 1;
 };
 
 }  // namespace scotty::verify

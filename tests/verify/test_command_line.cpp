@@ -2,109 +2,24 @@
 ///
 /// The real program is run, but for the long table of bad input: starting it maps the 250 libraries
 /// behind OpenImageIO, a third of a second each time.
-#include <fcntl.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <catch2/catch.hpp>
-#include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "verify/command.h"
+#include "tests/verify/command_tools.h"
 
 namespace {
 
+using namespace scotty::verify::test;
 using Catch::Matchers::Contains;
 namespace fs = std::filesystem;
+using Folder = TemporaryFolder;
 
-struct Result {
-    int exit_code = -1;
-    std::string out, err;
-};
-
-std::string slurp(const fs::path& path) {
-    std::ifstream in(path);
-    std::ostringstream text;
-    text << in.rdbuf();
-    return text.str();
-}
-
-/// A folder that goes when the test does.
-struct Folder {
-    fs::path path;
-    Folder() {
-        std::string pattern = (fs::temp_directory_path() / "scotty_cli_XXXXXX").string();
-        REQUIRE(mkdtemp(pattern.data()) != nullptr);
-        path = pattern;
-    }
-    ~Folder() { fs::remove_all(path); }
-    std::string file(const char* name) const { return (path / name).string(); }
-};
-
-/// `scotty` lies beside this test program.
-Result scotty(const std::string& arguments) {
-    const Folder folder;
-    const fs::path program = fs::read_symlink("/proc/self/exe").parent_path() / "scotty";
-    REQUIRE(fs::exists(program));
-    const std::string command = "'" + program.string() + "' " + arguments + " >'" +
-                                folder.file("out") + "' 2>'" + folder.file("err") + "'";
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, slurp(folder.file("out")),
-            slurp(folder.file("err"))};
-}
-
-/// A stream of this process into a file, for as long as this lives.
-class Redirected {
- public:
-    Redirected(FILE* stream, const std::string& path) : stream_(stream) {
-        std::fflush(stream_);
-        saved_ = dup(fileno(stream_));
-        const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-        dup2(file, fileno(stream_));
-        close(file);
-    }
-    Redirected(const Redirected&) = delete;
-    Redirected& operator=(const Redirected&) = delete;
-    ~Redirected() {
-        std::fflush(stream_);
-        dup2(saved_, fileno(stream_));
-        close(saved_);
-    }
-
- private:
-    FILE* stream_;
-    int saved_ = -1;
-};
-
-/// The same in this process. Words are split at blanks, quotes are taken off.
-Result scotty_here(const std::string& arguments) {
-    std::vector<std::string> words{"scotty"};
-    std::istringstream split(arguments);
-    for (std::string word; split >> word;) {
-        std::erase(word, '\'');
-        words.push_back(word);
-    }
-    std::vector<char*> argv;
-    argv.reserve(words.size());
-    for (std::string& word : words) argv.push_back(word.data());
-    const Folder folder;
-    Result result;
-    {
-        const Redirected out(stdout, folder.file("out"));
-        const Redirected err(stderr, folder.file("err"));
-        result.exit_code = scotty::verify::run_command(static_cast<int>(argv.size()), argv.data());
-    }
-    result.out = slurp(folder.file("out"));
-    result.err = slurp(folder.file("err"));
-    return result;
-}
+Result scotty(const std::string& arguments) { return run_scotty(arguments); }
 
 constexpr const char* kQuick =
     " --size 9x5 --spp 1 --bounces 1 --light-samples 1 --threads 1 --width 8 --rays-per-block 64 "

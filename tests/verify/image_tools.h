@@ -1,0 +1,28 @@
+/// Small images for the tests of what reads, writes and judges them.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "tests/verify/temporary_folder.h"
+#include "verify/measured_image.h"
+
+namespace scotty::verify::test {
+
+/// A smooth picture without noise, of no symmetry; values are floats.
+inline MeasuredImage smooth_image(std::uint32_t width, std::uint32_t height) {
+    MeasuredImage image{width, height, {}, {}, 0, 1};
+    for (std::uint32_t y = 0; y < height; ++y) {
+        for (std::uint32_t x = 0; x < width; ++x) {
+            const double u = (x + 0.5) / width;
+            const double v = (y + 0.5) / height;
+            const double grey = 0.3 + 0.5 * u + 0.2 * v * v + 0.1 * std::sin(9.0 * u * v);
+            image.mean.push_back({static_cast<float>(grey),
+                                  static_cast<float>(0.6 * grey + 0.1 * v),
+                                  static_cast<float>(0.4 * grey + 0.2 * (1.0 - u))});
+        }
+    }
+    return image;
+}
+
+}  // namespace scotty::verify::test
