@@ -14,6 +14,7 @@
 #include "verify/capture_format.h"
 #include "verify/golden_image.h"
 #include "verify/ledger.h"
+#include "verify/npy.h"
 #include "verify/pipeline_image.h"
 #include "verify/report.h"
 #include "verify/temporary_capture.h"
@@ -47,9 +48,13 @@ void expect_outside(const fs::path& output, const fs::path& golden) {
 
 void propose_image(const GoldenCase& golden, const reference::Scene& scene,
                    const ProposalSettings& settings) {
+    const ordered_json made_for = settings_of(golden, scene);
+    const std::string text = made_for.dump();
     reference::PathTracerOptions options;
     options.threads = settings.threads;
-    options.state = settings.output / "states" / (golden.name + ".state");
+    // By its settings: with others it begins anew, and these can be gone back to.
+    options.state = settings.output / "states" /
+                    fmt::format("{}-{}.state", golden.name, hash_text(text.data(), text.size()));
     make_folder(options.state.parent_path());
     if (settings.progress) {
         options.progress = [&](std::uint64_t done, std::uint64_t total) {
@@ -59,7 +64,6 @@ void propose_image(const GoldenCase& golden, const reference::Scene& scene,
     const MeasuredImage image = measured(trace_paths(scene, golden.image, options));
     const fs::path file = settings.output / image_path(golden.name);
     make_folder(file.parent_path());
-    const ordered_json made_for = settings_of(golden, scene);
     write_golden_image(image,
                        {{"scene", golden.scene},
                         {"scene_hash", made_for["scene_hash"]},
