@@ -36,6 +36,7 @@ bool RadianceMeter::wants(reference::StageKind kind) const {
 }
 
 void RadianceMeter::on_stage(const reference::StageView& stage) {
+    if (!wants(stage.kind)) return;
     const auto radiance = stage.get<Vec3>("radiance");
     const auto pixel = stage.get<std::uint32_t>("pixel");
     SCOTTY_ASSERT(radiance.size(), ==, pixel.size());
