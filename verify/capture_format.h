@@ -91,9 +91,9 @@ reference::PipelineParameters parse_parameters(const std::string& where,
 nlohmann::json read_json(const std::filesystem::path& file);
 /// Throws bad_input naming the file where it cannot be written.
 void write_text(const std::filesystem::path& file, const std::string& text);
-/// Throws bad_input unless `object` says that format and this version.
+/// Throws bad_input unless `object` says that format and version.
 void expect_format(const std::filesystem::path& file, const nlohmann::json& object,
-                   const char* format);
+                   const char* format, int expected_version = kCaptureVersion);
 
 /// A member of a JSON object; throws bad_input naming `where` and the member.
 const nlohmann::json& member(const std::string& where, const nlohmann::json& object,

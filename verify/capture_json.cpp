@@ -155,7 +155,8 @@ void write_text(const std::filesystem::path& file, const std::string& text) {
     }
 }
 
-void expect_format(const std::filesystem::path& file, const json& object, const char* format) {
+void expect_format(const std::filesystem::path& file, const json& object, const char* format,
+                   int expected_version) {
     const std::string where = file.string();
     const bool ours = object.is_object() && object.contains("format") &&
                       object["format"].is_string() && object["format"] == format;
@@ -166,10 +167,10 @@ void expect_format(const std::filesystem::path& file, const json& object, const 
                                                       : std::string("none")));
     }
     const json& version = member(where, object, "version");
-    if (!version.is_number_integer() || version != kCaptureVersion) {
+    if (!version.is_number_integer() || version != expected_version) {
         throw Error::bad_input(where, fmt::format("expected version {}, found {}; make it again "
                                                   "with this build of scotty",
-                                                  kCaptureVersion, shown(version)));
+                                                  expected_version, shown(version)));
     }
 }
 

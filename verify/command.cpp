@@ -80,6 +80,7 @@ int run(int argc, char** argv) {
     add_diff_command(app, action);
     add_replay_command(app, action);
     add_trace_command(app, action);
+    add_golden_command(app, action);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

@@ -10,13 +10,13 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include "reference/error.h"
 #include "reference/tracers.h"
 #include "scenes/scenes.h"
+#include "verify/ask.h"
 
 namespace scotty::verify {
 
@@ -36,22 +36,6 @@ std::string proc_value(const char* file, const std::string& key) {
         return begin == std::string::npos ? "" : line.substr(begin);
     }
     return "";
-}
-
-/// Last line that is not empty of a program's output; empty where it fails.
-std::string ask(const std::string& command) {
-    const auto close = [](FILE* pipe) { pclose(pipe); };
-    const std::unique_ptr<FILE, decltype(close)> pipe(
-        popen((command + " 2>/dev/null").c_str(), "r"), close);
-    if (!pipe) return "";
-    std::string last;
-    char line[512];
-    while (std::fgets(line, sizeof line, pipe.get()) != nullptr) {
-        std::string text(line);
-        while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
-        if (!text.empty()) last = text;
-    }
-    return last;
 }
 
 /// A program on the PATH or in one of `also`; empty where it is not.

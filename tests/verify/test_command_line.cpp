@@ -26,7 +26,8 @@ constexpr const char* kQuick =
     "--schedule parallel";
 
 TEST_CASE("command: help and version go to standard output and pass", "[verify][cli]") {
-    for (const std::string command : {"", "list ", "render ", "verify ", "bench ", "doctor "}) {
+    for (const std::string command :
+         {"", "list ", "render ", "verify ", "bench ", "doctor ", "golden "}) {
         const Result help = scotty_here(command + "--help");
         CHECK(help.exit_code == 0);
         CHECK_THAT(help.out, Contains("Examples:"));
@@ -45,6 +46,10 @@ TEST_CASE("command: bad usage and bad input exit with 2 and one clear line", "[v
         {"", "subcommand"},
         {"frobnicate", "frobnicate"},
         {"verify --frobnicate", "--frobnicate"},
+        {"golden", "subcommand"},
+        {"golden check --golden '" + folder.file("none") + "'", "manifest.json: cannot be read"},
+        {"golden propose nosuchcase", "no such case; there are cornell"},
+        {"golden approve cornell", "--reason"},
         {"render", "scene"},
         {"render cornell", "--output"},
         {"render nosuchscene" + out, "no such scene"},
@@ -97,6 +102,21 @@ TEST_CASE("list: names every built-in scene, as clean JSON too", "[verify][cli]"
     CHECK(scenes.size() == 7);
     for (const auto& scene : scenes)
         CHECK_THAT(text.out, Contains(scene["name"].get<std::string>()));
+}
+
+TEST_CASE("golden check: fails and names what is missing, as clean JSON too", "[verify][cli]") {
+    const Folder folder;
+    std::ofstream(folder.file("manifest.json"))
+        << R"({"format": "cuda-scotty-golden", "version": 1, "cases": []})";
+    const std::string golden = " --golden '" + folder.path.string() + "'";
+    const Result text = scotty_here("golden check" + golden);
+    CHECK(text.exit_code == 1);
+    CHECK_THAT(text.out, Contains("missing") && Contains("scotty golden propose coil"));
+    const Result json = scotty_here("golden check --json" + golden);
+    CHECK(json.exit_code == 1);
+    const auto result = nlohmann::json::parse(json.out);
+    CHECK(result["passed"] == false);
+    CHECK(result["findings"].size() == 7);
 }
 
 TEST_CASE("doctor: says what there is, as clean JSON too", "[verify][cli]") {
