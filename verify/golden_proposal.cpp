@@ -12,7 +12,8 @@
 #include "scenes/scenes.h"
 #include "verify/backend.h"
 #include "verify/capture_format.h"
-#include "verify/golden_image.h"
+#include "verify/image_file.h"
+#include "verify/image_read.h"
 #include "verify/ledger.h"
 #include "verify/npy.h"
 #include "verify/pipeline_image.h"
@@ -64,14 +65,13 @@ void propose_image(const GoldenCase& golden, const reference::Scene& scene,
     const MeasuredImage image = measured(trace_paths(scene, golden.image, options));
     const fs::path file = settings.output / image_path(golden.name);
     make_folder(file.parent_path());
-    write_golden_image(image,
-                       {{"scene", golden.scene},
-                        {"scene_hash", made_for["scene_hash"]},
-                        {"parameters", made_for["image"].dump()},
-                        {"generator", made_for["generator"]},
-                        {"embree", reference::EmbreeTracer::version()},
-                        {"commit", settings.commit}},
-                       file);
+    write_measured_image(image, file.string(),
+                         {{"scotty:scene", golden.scene},
+                          {"scotty:scene_hash", made_for["scene_hash"]},
+                          {"scotty:parameters", made_for["image"].dump()},
+                          {"scotty:generator", made_for["generator"]},
+                          {"scotty:embree", reference::EmbreeTracer::version()},
+                          {"scotty:commit", settings.commit}});
 }
 
 void propose_ledger(const GoldenCase& golden, reference::Scene scene,
@@ -126,11 +126,12 @@ void compare_images(const MeasuredImage& old, const MeasuredImage& image, Propos
 Proposal compare(const GoldenCase& golden, const ProposalSettings& settings) {
     Proposal proposal;
     proposal.name = golden.name;
-    const MeasuredImage image = read_golden_image(settings.output / image_path(golden.name)).image;
+    const MeasuredImage image =
+        read_image((settings.output / image_path(golden.name)).string()).image;
     proposal.noise = relative_noise(image);
     try {
-        compare_images(read_golden_image(settings.golden / image_path(golden.name)).image, image,
-                       proposal);
+        compare_images(read_image((settings.golden / image_path(golden.name)).string()).image,
+                       image, proposal);
     } catch (const Error&) {
         proposal.image = Proposal::Change::added;
     }

@@ -3,8 +3,8 @@
 
 #include "reference/error.h"
 #include "reference/wide_bvh.h"
-#include "verify/golden_image.h"
 #include "verify/golden_judge.h"
+#include "verify/image_read.h"
 #include "verify/temporary_capture.h"
 
 namespace scotty::verify {
@@ -27,7 +27,7 @@ GoldenTruth read_golden(const std::filesystem::path& golden, const GoldenCase& g
             throw refuse(file.string() + " is corrupted or not in the manifest");
         }
     }
-    return {read_golden_image(golden / image_path(golden_case.name)).image,
+    return {read_image((golden / image_path(golden_case.name)).string()).image,
             read_ledger(golden / ledger_path(golden_case.name))};
 }
 
