@@ -47,6 +47,7 @@ class DeviceMemory {
                                     " bytes");
         }
         check(cudaMalloc(reinterpret_cast<void**>(&memory_), bytes), what);
+        label_memory(memory_, name);
         capacity_ = count;
         budget_->used += bytes;
     }

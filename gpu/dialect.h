@@ -35,13 +35,24 @@
 #define SCOTTY_RETURN return
 /// Shared memory of the block.
 #define SCOTTY_SHARED(type, name) __shared__ type name
+/// Shared memory of the block, as much as the launch gave: a pointer to its first element.
+#define SCOTTY_SHARED_DYNAMIC(type, name)                                \
+    extern __shared__ __align__(16) unsigned char scotty_shared_bytes[]; \
+    type* const name = reinterpret_cast<type*>(scotty_shared_bytes)
 /// Launches a kernel with the arguments that follow the stream.
 #define SCOTTY_LAUNCH(kernel, blocks, threads, stream, ...) \
-    kernel<<<blocks, threads, 0, stream>>>(__VA_ARGS__)
+    SCOTTY_LAUNCH_SHARED(kernel, blocks, threads, 0, stream, __VA_ARGS__)
+/// The same with bytes of shared memory for each block, for SCOTTY_SHARED_DYNAMIC.
+#define SCOTTY_LAUNCH_SHARED(kernel, blocks, threads, bytes, stream, ...) \
+    kernel<<<blocks, threads, bytes, stream>>>(__VA_ARGS__)
 
 namespace SCOTTY_DEVICE_NAMESPACE {
 
+/// What reports call a piece of device memory, where somebody checks what is done with it.
+inline void label_memory(const void* /*memory*/, const char* /*name*/) {}
+
 constexpr std::uint32_t kWarpSize = 32;
+constexpr std::uint32_t kWholeWarp = 0xffffffffu;
 
 SCOTTY_DEVICE std::uint32_t thread_index() { return threadIdx.x; }
 SCOTTY_DEVICE std::uint32_t block_size() { return blockDim.x; }
@@ -50,9 +61,26 @@ SCOTTY_DEVICE std::uint32_t grid_size() { return gridDim.x; }
 SCOTTY_DEVICE std::uint32_t lane_index() { return threadIdx.x % kWarpSize; }
 SCOTTY_DEVICE std::uint32_t warp_index() { return threadIdx.x / kWarpSize; }
 
-/// Bit i: the predicate of lane i. All lanes of the warp take part.
-SCOTTY_DEVICE std::uint32_t warp_ballot(bool predicate) {
-    return __ballot_sync(0xffffffffu, predicate);
+// Collectives of the lanes that `mask` names; each of them passes the same mask, and is in it.
+
+/// Bit i: the predicate of lane i.
+SCOTTY_DEVICE std::uint32_t warp_ballot(bool predicate, std::uint32_t mask = kWholeWarp) {
+    return __ballot_sync(mask, predicate);
+}
+SCOTTY_DEVICE bool warp_any(bool predicate, std::uint32_t mask = kWholeWarp) {
+    return __any_sync(mask, predicate) != 0;
+}
+SCOTTY_DEVICE bool warp_all(bool predicate, std::uint32_t mask = kWholeWarp) {
+    return __all_sync(mask, predicate) != 0;
+}
+/// Bit i: lane i has the same value as the caller.
+SCOTTY_DEVICE std::uint32_t warp_match(std::uint32_t value, std::uint32_t mask = kWholeWarp) {
+    return __match_any_sync(mask, value);
+}
+/// The value of a lane of the mask.
+SCOTTY_DEVICE std::uint32_t warp_shuffle(std::uint32_t value, std::uint32_t lane,
+                                         std::uint32_t mask = kWholeWarp) {
+    return __shfl_sync(mask, value, static_cast<int>(lane));
 }
 /// A ballot for each of the `Count` lowest bits.
 template <int Count>
@@ -68,7 +96,7 @@ SCOTTY_DEVICE Ballots<Count> warp_ballots(std::uint32_t bits) {
 }
 /// The value that the lane `delta` below holds; the lane's own where there is none.
 SCOTTY_DEVICE std::uint32_t warp_shuffle_up(std::uint32_t value, std::uint32_t delta) {
-    return __shfl_up_sync(0xffffffffu, value, delta);
+    return __shfl_up_sync(kWholeWarp, value, delta);
 }
 SCOTTY_DEVICE std::uint32_t count_bits(std::uint32_t bits) {
     return static_cast<std::uint32_t>(__popc(bits));

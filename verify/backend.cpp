@@ -20,8 +20,7 @@ using scotty::simt::run_simt_stage;
 namespace {
 
 /// Exact whatever the parameters say: what fast arithmetic is held against.
-Backend emulator(std::size_t threads) {
-    const emulation::DeviceOptions device{.threads = threads};
+Backend emulator(const emulation::DeviceOptions& device) {
     Backend backend;
     backend.name = "emulator";
     backend.render = [device](const PipelineInput& input, reference::StageObserver* observer) {
@@ -40,8 +39,7 @@ Backend emulator(std::size_t threads) {
 }
 
 /// The CUDA pipeline's text on the CPU.
-Backend simt(std::size_t threads) {
-    const scotty::simt::SimtOptions options{.threads = threads};
+Backend simt(const scotty::simt::SimtOptions& options) {
     Backend backend;
     backend.name = "simt";
     backend.render = [options](const PipelineInput& input, reference::StageObserver* observer) {
@@ -55,6 +53,13 @@ Backend simt(std::size_t threads) {
     };
     backend.run_stage = [options](const PipelineInput& input, const StageView& stage) {
         return run_simt_stage(input.scene, input.bvh, input.parameters, stage, options);
+    };
+    backend.written_by = [](const void* shown) {
+        const auto writer = scotty::simt::written_by(shown);
+        if (!writer) return std::string();
+        return fmt::format("thread {} of block {} of kernel {} at {}{}", writer->thread,
+                           writer->block, writer->kernel, writer->line,
+                           writer->in_this_launch ? "" : ", in an earlier launch");
     };
     return backend;
 }
@@ -99,9 +104,9 @@ const std::vector<std::string>& backend_names() {
     return names;
 }
 
-Backend backend_named(const std::string& name, std::size_t threads) {
-    if (name == "emulator") return emulator(threads);
-    if (name == "simt") return simt(threads);
+Backend backend_named(const std::string& name, const emulation::DeviceOptions& device) {
+    if (name == "emulator") return emulator(device);
+    if (name == "simt") return simt(device);
     if (name == "cuda") return cuda();
     throw Error::bad_input("--backend", fmt::format("expected one of {}, found '{}'",
                                                     fmt::join(backend_names(), ", "), name));

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "emulation/device.h"
 #include "reference/image.h"
 #include "reference/launch_record.h"
 #include "reference/owned_buffer.h"
@@ -29,12 +30,18 @@ struct Backend {
     std::function<std::vector<reference::OwnedBuffer>(const PipelineInput&,
                                                       const reference::StageView&)>
         run_stage;
+    /// Who wrote the value at an address in a buffer that the observer, which asks, is being shown:
+    /// "thread 3 of block 7 of kernel K at FILE:LINE"; empty where that is not known.
+    std::function<std::string(const void*)> written_by = [](const void*) { return std::string(); };
 };
 
 /// By its name on the command line. Throws bad_input naming those there are, and
-/// missing_environment where this machine or this build cannot serve it. `threads`: of the CPU
-/// where it is what runs; 0: all.
-Backend backend_named(const std::string& name, std::size_t threads);
+/// missing_environment where this machine or this build cannot serve it. `device`: threads of the
+/// CPU and the order of blocks (and, in simt, of threads), where the CPU is what runs.
+Backend backend_named(const std::string& name, const emulation::DeviceOptions& device);
+inline Backend backend_named(const std::string& name, std::size_t threads) {
+    return backend_named(name, emulation::DeviceOptions{.threads = threads});
+}
 
 /// Every name, "emulator" first, whether this machine can serve it or not.
 const std::vector<std::string>& backend_names();

@@ -109,6 +109,10 @@ std::vector<std::byte> without_unused(const BufferView& buffer, const Regions& r
     return out;
 }
 
+std::uint64_t entry_of(const BufferView& buffer, const Regions& regions, std::size_t element) {
+    return entry_at(static_cast<const std::byte*>(buffer.data), regions.element_bytes, element);
+}
+
 std::vector<std::uint64_t> sorted_entries(const BufferView& buffer, const Regions& regions,
                                           std::size_t region) {
     const Regions::Region& r = regions.regions[region];

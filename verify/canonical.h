@@ -39,6 +39,10 @@ std::vector<std::byte> without_unused(const reference::BufferView& buffer, const
 /// Hits of one ray sort by t, then primitive.
 std::vector<std::byte> canonical_bytes(const reference::BufferView& buffer, const Regions& regions);
 
+/// An element, by its index in the buffer: an id, or a hit as t bits << 32 | primitive.
+std::uint64_t entry_of(const reference::BufferView& buffer, const Regions& regions,
+                       std::size_t element);
+
 /// The elements in use of one region, sorted: ids, or hits as t bits << 32 | primitive.
 std::vector<std::uint64_t> sorted_entries(const reference::BufferView& buffer,
                                           const Regions& regions, std::size_t region);

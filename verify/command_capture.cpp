@@ -20,7 +20,7 @@ namespace {
 struct CaptureOptions {
     std::string scene;
     std::string output;
-    std::string backend = "emulator";
+    BackendChoice backend;
     std::vector<std::string> stages;
     bool input_only = false;
     std::size_t threads = 0;
@@ -48,7 +48,7 @@ class ShownObserver : public reference::StageObserver {
 
 int run_capture(const CaptureOptions& options) {
     reference::validate(options.parameters);
-    const Backend backend = backend_named(options.backend, options.threads);
+    const Backend backend = chosen_backend(options.backend, options.threads, options.parameters);
     expect_arithmetic(backend, options.parameters);
     std::optional<tbb::global_control> limit;
     if (options.threads != 0) {
@@ -118,9 +118,8 @@ void add_capture_command(CLI::App& app, Action& action) {
         ->type_name("PATTERN");
     command->add_flag("--input-only", options->input_only,
                       "run nothing: write scene, BVH and parameters");
-    command
-        ->add_option("--backend", options->backend, "emulator, simt or cuda: who runs the pipeline")
-        ->capture_default_str();
+    add_backend_options(*command, options->backend, "emulator, simt or cuda: who runs the pipeline",
+                        true);
     command
         ->add_option_function<std::string>(
             "--filter",

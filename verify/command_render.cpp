@@ -29,7 +29,7 @@ using reference::StageView;
 struct RenderOptions {
     std::string scene;
     std::string output;
-    std::string backend = "emulator";
+    BackendChoice backend;
     float exposure = 0.0f;
     std::size_t threads = 0;
     reference::PipelineParameters parameters;
@@ -60,13 +60,13 @@ class ProgressObserver : public reference::StageObserver {
 
 Image render(const RenderOptions& options, reference::Scene scene) {
     Progress progress;
-    if (options.backend == "embree") {
+    if (options.backend.name == "embree") {
         const reference::EmbreeTracer tracer(scene);
         progress.show("rendering with Embree");
         return render_with_embree(scene, options.parameters, tracer, options.threads);
     }
     progress.show("building the BVH");
-    const Backend backend = backend_named(options.backend, options.threads);
+    const Backend backend = chosen_backend(options.backend, options.threads, options.parameters);
     reference::WideBvh bvh = build_wide_bvh(
         scene, {options.parameters.width, options.parameters.max_leaf_size, options.threads});
     const PipelineInput input{std::move(scene), std::move(bvh), options.parameters};
@@ -96,8 +96,9 @@ int run_render(const RenderOptions& options) {
     const auto start = std::chrono::steady_clock::now();
     reference::validate(options.parameters);
     check_image_path(options.output);
-    if (options.backend != "embree") {
-        expect_arithmetic(backend_named(options.backend, options.threads), options.parameters);
+    if (options.backend.name != "embree") {
+        expect_arithmetic(chosen_backend(options.backend, options.threads, options.parameters),
+                          options.parameters);
     }
     std::optional<tbb::global_control> limit;
     if (options.threads != 0) {
@@ -106,7 +107,7 @@ int run_render(const RenderOptions& options) {
     reference::Scene scene = scenes::load_scene(options.scene);
     for (const std::string& warning : scene.warnings) spdlog::warn("{}", warning);
     const bool filtered = options.parameters.filter != reference::Filter::none;
-    if (filtered && options.backend == "embree") {
+    if (filtered && options.backend.name == "embree") {
         spdlog::warn("--filter is the pipeline's and is not applied by the Embree backend");
     } else if (filtered && options.parameters.spp >= options.parameters.filter_threshold) {
         spdlog::warn(
@@ -119,7 +120,7 @@ int run_render(const RenderOptions& options) {
     const Image image = render(options, std::move(scene));
     write(options, image);
     spdlog::info("{}: {} triangles, {}x{} pixels, {} samples, {}, {:.1f} s", options.output,
-                 triangles, image.width, image.height, options.parameters.spp, options.backend,
+                 triangles, image.width, image.height, options.parameters.spp, options.backend.name,
                  std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     return kExitPassed;
 }
@@ -140,9 +141,8 @@ void add_render_command(CLI::App& app, Action& action) {
         ->required();
     command->add_option("-o,--output", options->output, "the .exr or .png file to write")
         ->required();
-    command->add_option("--backend", options->backend, "who traces the rays")
-        ->check(CLI::IsMember({"emulator", "embree", "simt", "cuda"}))
-        ->capture_default_str();
+    add_backend_options(*command, options->backend,
+                        "who traces the rays: emulator, embree, simt or cuda", true);
     command->add_option("--exposure", options->exposure, "PNG: brightness in powers of two")
         ->check(CLI::Range(-64.0f, 64.0f))
         ->capture_default_str();

@@ -13,7 +13,7 @@ namespace {
 
 struct ReplayCommand {
     std::string capture, stage;
-    std::string backend = "emulator";
+    BackendChoice backend;
     bool json = false;
     std::size_t threads = 0;
 };
@@ -33,7 +33,8 @@ std::string to_text_of_stage(const DiffReport& report) {
 int run_replay(const ReplayCommand& options) {
     const Capture capture = Capture::open(options.capture);
     const DiffReport report =
-        replay_stage(capture, options.stage, backend_named(options.backend, options.threads));
+        replay_stage(capture, options.stage,
+                     chosen_backend(options.backend, options.threads, capture.header().parameters));
     print_result(options.json ? to_json(report).dump(2) : to_text_of_stage(report));
     return report.passed() ? kExitPassed : kExitFailed;
 }
@@ -49,8 +50,8 @@ void add_replay_command(CLI::App& app, Action& action) {
     auto options = std::make_shared<ReplayCommand>();
     command->add_option("capture", options->capture, "a capture")->required();
     command->add_option("--stage", options->stage, "the stage's whole name")->required();
-    command->add_option("--backend", options->backend, "emulator, simt or cuda: who runs the stage")
-        ->capture_default_str();
+    add_backend_options(*command, options->backend, "emulator, simt or cuda: who runs the stage",
+                        true);
     command->add_flag("--json", options->json, "the result as JSON");
     add_thread_option(*command, options->threads);
     command->callback([&action, options] { action = [options] { return run_replay(*options); }; });

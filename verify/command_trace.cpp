@@ -25,7 +25,7 @@ using reference::Scene;
 
 struct TraceOptions {
     std::string scene, rays, output, reference;
-    std::string backend = "emulator";
+    BackendChoice backend;
     bool any_hit = false;
     std::size_t threads = 0;
     reference::PipelineParameters parameters;
@@ -48,7 +48,7 @@ std::vector<HitCandidate> trace_with_embree(const Scene& scene, const RayFile& r
 
 std::vector<HitCandidate> trace_with_pipeline(const TraceOptions& options, const Scene& scene,
                                               const RayFile& rays, Progress& progress) {
-    const Backend backend = backend_named(options.backend, options.threads);
+    const Backend backend = chosen_backend(options.backend, options.threads, options.parameters);
     expect_arithmetic(backend, options.parameters);
     progress.show("building the BVH");
     const PipelineInput input{
@@ -84,13 +84,13 @@ int run_trace(const TraceOptions& options) {
     Progress progress;
     const auto start = std::chrono::steady_clock::now();
     const std::vector<HitCandidate> hits =
-        options.backend == "embree" ? trace_with_embree(scene, rays)
-                                    : trace_with_pipeline(options, scene, rays, progress);
+        options.backend.name == "embree" ? trace_with_embree(scene, rays)
+                                         : trace_with_pipeline(options, scene, rays, progress);
     const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
     if (!options.output.empty()) write_hits(options.output, hits);
     spdlog::info("{}: {} {} rays in {:.2f} s, building included ({})", options.rays,
                  rays.rays.size(), rays.any_hit ? "any-hit" : "closest-hit", taken.count(),
-                 options.backend);
+                 options.backend.name);
     if (options.reference.empty()) return kExitPassed;
     progress.show("comparing");
     const HitComparison comparison = compare_hits(scene, rays, hits, expected);
@@ -118,9 +118,8 @@ void add_trace_command(CLI::App& app, Action& action) {
         ->required();
     command->add_option("--rays", options->rays, "the .ray file")->required();
     command->add_option("-o,--output", options->output, "the file of hits to write");
-    command->add_option("--backend", options->backend, "who traces")
-        ->check(CLI::IsMember({"emulator", "embree", "simt", "cuda"}))
-        ->capture_default_str();
+    add_backend_options(*command, options->backend, "who traces: emulator, embree, simt or cuda",
+                        true);
     command->add_flag("--any", options->any_hit, "ask only whether something is hit");
     command->add_option("--compare", options->reference, "a .ref file to hold the hits against");
     command

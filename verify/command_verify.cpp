@@ -23,6 +23,7 @@ namespace {
 struct VerifyOptions {
     std::vector<std::string> scenes;
     VerifySettings settings;
+    BackendChoice backend;
     std::string json, junit, html, folder;
     bool require_gpu = false;
     std::string command_line;
@@ -60,7 +61,9 @@ int run_verify(VerifyOptions& options) {
     };
     // Everything that can be wrong with the command line, before minutes of work.
     if (options.require_gpu) backend_named("cuda", options.settings.threads);
-    backend_named(options.settings.backend, options.settings.threads);
+    chosen_backend(options.backend, options.settings.threads, options.settings.parameters);
+    options.settings.backend = options.backend.name;
+    options.settings.check = options.backend.check;
     reference::validate(options.settings.parameters);
     configurations(options.settings.parameters, options.settings.filter);
     if (options.scenes.empty()) {
@@ -134,11 +137,10 @@ void add_verify_command(CLI::App& app, Action& action, const std::string& comman
     options->settings.parameters = default_verify_parameters();
     command->add_option("scenes", options->scenes,
                         "built-in scenes (scotty list) or files; all built-in ones by default");
-    command
-        ->add_option("--backend", options->settings.backend,
-                     "emulator, simt or cuda: whose runs are verified; all but the emulator's are "
-                     "compared with it, launch by launch, too")
-        ->capture_default_str();
+    add_backend_options(*command, options->backend,
+                        "emulator, simt or cuda: whose runs are verified; all but the emulator's "
+                        "are compared with it, launch by launch, too",
+                        false);
     command->add_flag("--require-gpu", options->require_gpu,
                       "fail (exit code 3) where there is no CUDA device");
     command->add_option("--json", options->json, "write the report as JSON; - is standard output")

@@ -75,6 +75,7 @@ Divergence divergence_of(const Failure& failure, const char* side) {
     out.level = failure.level;
     out.node = failure.node;
     out.block = failure.block;
+    out.thread = failure.thread;
     out.ray = failure.ray;
     out.field = failure.field;
     out.sentence =
@@ -149,6 +150,11 @@ class Differ::State {
             if (dropped) seen_.erase(result.second.name);
             return dropped;
         });
+    }
+
+    void add_end(const std::string& what) {
+        const std::size_t next = seen_.empty() ? 0 : last_ + 1;
+        if (next < a_.stages().size()) add_error(a_.stages()[next], what);
     }
 
     void add_error(const StageRecord& stage, const std::string& what) {
@@ -394,6 +400,10 @@ class Differ::State {
         if (!pair.output) divergence.sentence += "; the stage was handed it so";
         divergence.replay = replay_command(divergence.stage);
         places_.fill(divergence, pair, found);
+        if (options_.written_by && pair.output && found.word) {
+            divergence.written_by =
+                options_.written_by(static_cast<const std::byte*>(pair.b.data) + 4 * *found.word);
+        }
         result.first = std::move(divergence);
     }
 
@@ -435,6 +445,7 @@ void Differ::on_retry(std::string_view stage, std::string_view reason) {
 void Differ::add_error(const StageRecord& stage, const std::string& what) {
     state_->add_error(stage, what);
 }
+void Differ::add_end(const std::string& what) { state_->add_end(what); }
 DiffReport Differ::finish(const std::function<bool(std::string_view)>& covers) {
     return state_->finish(covers);
 }

@@ -35,8 +35,9 @@ struct Divergence {
     std::string stage;
     std::uint32_t launch = reference::kNotApplicable;
     std::uint32_t level = reference::kNotApplicable;
-    std::uint32_t node = reference::kNotApplicable;   ///< breadth-first id; position without a BVH
-    std::uint32_t block = reference::kNotApplicable;  ///< logical block that wrote it
+    std::uint32_t node = reference::kNotApplicable;    ///< breadth-first id; position without a BVH
+    std::uint32_t block = reference::kNotApplicable;   ///< logical block that wrote it
+    std::uint32_t thread = reference::kNotApplicable;  ///< of the block: the ray's
     std::uint32_t ray = reference::kNotApplicable;
     std::string buffer;
     std::string field;   ///< "direction.x"; empty where an element is one number
@@ -48,6 +49,8 @@ struct Divergence {
     std::uint32_t pixel_y = reference::kNotApplicable;
     std::uint32_t sample = reference::kNotApplicable;
     std::string replay;  ///< the command that runs the stage again
+    /// Kernel, thread and line that wrote B's value, where B checks what its kernels touch.
+    std::string written_by;
 };
 
 struct BufferResult {
@@ -98,6 +101,8 @@ struct DiffReport {
 struct DiffOptions {
     std::vector<std::string> patterns;  ///< stages to compare; none: all
     std::string b_backend;              ///< for the replay command
+    /// Backend::written_by of who runs B.
+    std::function<std::string(const void*)> written_by;
     /// A stage alone: inputs are the capture's own, and bounds over a whole run do not apply.
     bool isolated = false;
     /// B's, where it is not A's.
@@ -120,6 +125,10 @@ class Differ : public reference::StageObserver {
     void add_by_hash(const StageRecord& b);
     /// A stage of A that B could not run, and why.
     void add_error(const StageRecord& stage, const std::string& what);
+
+    /// B's run has failed: the stage of A behind the last that came is the one that could not be
+    /// run.
+    void add_end(const std::string& what);
 
     /// Closes the books. `covers`: whether B was asked for a stage of that name.
     DiffReport finish(const std::function<bool(std::string_view)>& covers);

@@ -67,6 +67,18 @@ bool used_bytes_equal(const BufferPair& pair, const Regions& a, const Regions& b
     return true;
 }
 
+/// Where B's buffer holds an entry; the last, should there be several.
+std::optional<std::size_t> word_of(const BufferView& buffer, const Regions& regions,
+                                   std::size_t region, std::uint64_t entry) {
+    const Regions::Region& r = regions.regions[region];
+    for (std::size_t i = r.count; i-- > 0;) {
+        if (entry_of(buffer, regions, r.begin + i) == entry) {
+            return (r.begin + i) * (regions.element_bytes / sizeof(std::uint32_t));
+        }
+    }
+    return std::nullopt;
+}
+
 /// Compares region by region; `describe` is called for the first that differs.
 template <class Describe>
 Comparison compare_regions(const BufferPair& pair, const Describe& describe) {
@@ -91,6 +103,8 @@ Comparison compare_regions(const BufferPair& pair, const Describe& describe) {
                 out.sentence = "the count says more than there is room for";
             } else {
                 describe(out, sets);
+                if (!sets.only_b.empty())
+                    out.word = word_of(pair.b, b, region, sets.only_b.front());
             }
         }
         out.different += std::max<std::uint64_t>(1, sets.size());
@@ -173,6 +187,7 @@ Comparison compare_ordered(const BufferPair& pair) {
         column = 1;  // t says more than which primitive
         first |= 1;
     }
+    out.word = first;
     const Field& field = layout.fields[column];
     const std::uint32_t a = word_at(pair.a, first);
     const std::uint32_t b = word_at(pair.b, first);

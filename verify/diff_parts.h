@@ -61,6 +61,7 @@ struct Comparison {
     std::uint32_t entry_primitive = reference::kNotApplicable;  ///< hits: the hit's primitive
     std::string field, a, b, sentence;
     std::optional<std::uint64_t> ulps;
+    std::optional<std::size_t> word;  ///< of B's buffer: the value that should not be there
 };
 
 Comparison compare_ordered(const BufferPair& pair);
@@ -88,7 +89,8 @@ class Places {
 
  private:
     std::uint32_t node_id(std::uint32_t level, std::size_t position) const;
-    std::uint32_t block_of_entry(const BufferPair& pair, std::uint32_t node, std::uint32_t ray);
+    /// The logical block and thread that take a ray of a node of the stage's level.
+    void fill_thread(Divergence& out, const BufferPair& pair, std::uint32_t node);
     std::uint32_t leaf_node_of(std::uint32_t primitive);
 
     const Capture& capture_;

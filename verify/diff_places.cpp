@@ -58,19 +58,19 @@ std::uint32_t Places::leaf_node_of(std::uint32_t primitive) {
     return primitive < leaf_node_.size() ? leaf_node_[primitive] : kNotApplicable;
 }
 
-/// The block that takes a ray of a node of the stage's level: B's, or A's where B has no such ray.
-std::uint32_t Places::block_of_entry(const BufferPair& pair, std::uint32_t node,
-                                     std::uint32_t ray) {
-    if (bvh_ == nullptr || pair.b_stage.level >= bvh_->level_count()) return kNotApplicable;
+/// B's, or A's where B has no such ray.
+void Places::fill_thread(Divergence& out, const BufferPair& pair, std::uint32_t node) {
+    if (bvh_ == nullptr || pair.b_stage.level >= bvh_->level_count()) return;
     const std::uint32_t first = bvh_->level_begins[pair.b_stage.level];
-    if (node < first) return kNotApplicable;
+    if (node < first) return;
     for (const StageView* stage : {&pair.b_stage, &pair.a_stage}) {
-        const auto position = position_in_queue(*stage, node - first, ray);
+        const auto position = position_in_queue(*stage, node - first, out.ray);
         const auto offsets = stage->get<std::uint32_t>("block_offsets");
         if (!position || node - first >= offsets.size() || stage->threads == 0) continue;
-        return offsets[node - first] + *position / stage->threads;
+        out.block = offsets[node - first] + *position / stage->threads;
+        out.thread = *position % stage->threads;
+        return;
     }
-    return kNotApplicable;
 }
 
 void Places::fill(Divergence& out, const BufferPair& pair, const Comparison& first) {
@@ -106,15 +106,16 @@ void Places::fill(Divergence& out, const BufferPair& pair, const Comparison& fir
         if (out.ray != kNotApplicable && out.node != kNotApplicable && bvh_ != nullptr &&
             out.node < bvh_->node_count()) {
             const bool child = layout_of(pair.a.name).row == Row::child_node;
-            out.block = block_of_entry(pair, child ? bvh_->parents[out.node] : out.node, out.ray);
+            fill_thread(out, pair, child ? bvh_->parents[out.node] : out.node);
         } else if (first.entry_primitive != kNotApplicable) {
             out.node = leaf_node_of(first.entry_primitive);
-            if (out.node != kNotApplicable) out.block = block_of_entry(pair, out.node, out.ray);
+            if (out.node != kNotApplicable) fill_thread(out, pair, out.node);
         }
     } else if (out.ray != kNotApplicable && stage.threads != 0 &&
                stage.kind != StageKind::primary_rays &&
                stage.kind != StageKind::reconstruct_image) {
         out.block = out.ray / stage.threads;  // one thread a ray
+        out.thread = out.ray % stage.threads;
     }
     fill_provenance(out, stage.batch);
 }

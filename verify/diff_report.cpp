@@ -53,6 +53,7 @@ ordered_json to_json(const Divergence& d) {
     out["level"] = number(d.level);
     out["node"] = number(d.node);
     out["block"] = number(d.block);
+    out["thread"] = number(d.thread);
     out["ray"] = number(d.ray);
     out["buffer"] = d.buffer;
     out["field"] = d.field;
@@ -65,6 +66,7 @@ ordered_json to_json(const Divergence& d) {
     out["pixel_y"] = number(d.pixel_y);
     out["sample"] = number(d.sample);
     out["replay"] = d.replay;
+    if (!d.written_by.empty()) out["written_by"] = d.written_by;
     return out;
 }
 
@@ -146,6 +148,7 @@ std::string to_text(const Divergence& d) {
     if (d.level != kNotApplicable) text += fmt::format(", level {}", d.level);
     if (d.node != kNotApplicable) text += fmt::format(", node {}", d.node);
     if (d.block != kNotApplicable) text += fmt::format(", block {}", d.block);
+    if (d.thread != kNotApplicable) text += fmt::format(", thread {}", d.thread);
     if (d.ray != kNotApplicable) text += fmt::format(", ray {}", d.ray);
     text += ": " + d.sentence + "\n";
     if (!d.a.empty() || !d.b.empty()) {
@@ -163,6 +166,7 @@ std::string to_text(const Divergence& d) {
                                   d.pixel_y, d.sample)
                     : fmt::format("  pixel ({}, {})\n", d.pixel_x, d.pixel_y);
     }
+    if (!d.written_by.empty()) text += fmt::format("  B's was written by {}\n", d.written_by);
     if (!d.replay.empty()) text += fmt::format("  run it again: {}\n", d.replay);
     return text;
 }

@@ -4,15 +4,14 @@
 
 #include <utility>
 
-#include "verify/backend.h"
-
 namespace scotty::verify {
 
 namespace {
 
-DiffOptions options_for(const std::string& backend) {
+DiffOptions options_for(const Backend& backend) {
     DiffOptions options;
-    options.b_backend = backend;
+    options.b_backend = backend.name;
+    options.written_by = backend.written_by;
     return options;
 }
 
@@ -29,18 +28,19 @@ Failure to_failure(const StageResult& stage, const std::string& backend) {
     failure.level = first.level;
     failure.node = first.node;
     failure.block = first.block;
+    failure.thread = first.thread;
     failure.ray = first.ray;
     failure.field = first.field.empty() ? first.buffer : first.buffer + "." + first.field;
     failure.expected = first.a;
     failure.found = first.b;
+    failure.written_by = first.written_by;
     failure.sentence = fmt::format("{} (A: emulator, B: {})", first.sentence, backend);
     return failure;
 }
 
 }  // namespace
 
-EmulatorDiff::EmulatorDiff(const PipelineInput& input, std::size_t threads,
-                           const std::string& backend)
+EmulatorDiff::EmulatorDiff(const PipelineInput& input, std::size_t threads, const Backend& backend)
     : expected_(backend_named("emulator", threads), input),
       differ_(expected_.get(), options_for(backend)) {}
 

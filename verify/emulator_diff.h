@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "verify/backend.h"
 #include "verify/diff.h"
 #include "verify/failure.h"
 #include "verify/pipeline_input.h"
@@ -15,7 +16,7 @@ namespace scotty::verify {
 /// Renders with the emulator, and compares with that whatever is shown to observer().
 class EmulatorDiff {
  public:
-    EmulatorDiff(const PipelineInput& input, std::size_t threads, const std::string& backend);
+    EmulatorDiff(const PipelineInput& input, std::size_t threads, const Backend& backend);
 
     reference::StageObserver& observer() { return differ_; }
     /// Closes the books: counts, and one failure for every stage that differs or, where the run

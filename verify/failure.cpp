@@ -58,6 +58,7 @@ std::string to_string(const Failure& failure) {
     place += failure.stage;
     if (failure.node != kNotApplicable) place += fmt::format(", node {}", failure.node);
     if (failure.block != kNotApplicable) place += fmt::format(", block {}", failure.block);
+    if (failure.thread != kNotApplicable) place += fmt::format(", thread {}", failure.thread);
     if (failure.ray != kNotApplicable) place += fmt::format(", ray {}", failure.ray);
     std::string values;
     if (!failure.expected.empty() || !failure.found.empty()) {
@@ -65,6 +66,7 @@ std::string to_string(const Failure& failure) {
                              failure.field.empty() ? "value" : failure.field, failure.expected,
                              failure.found);
     }
+    if (!failure.written_by.empty()) values += "; written by " + failure.written_by;
     return fmt::format("[{}] {}: {}{}", failure.invariant, place, failure.sentence, values);
 }
 

@@ -37,13 +37,16 @@ struct Failure {
     std::string stage;
     std::uint32_t launch = reference::kNotApplicable;
     std::uint32_t level = reference::kNotApplicable;
-    std::uint32_t node = reference::kNotApplicable;   ///< breadth-first node id
-    std::uint32_t block = reference::kNotApplicable;  ///< logical block of the launch
+    std::uint32_t node = reference::kNotApplicable;    ///< breadth-first node id
+    std::uint32_t block = reference::kNotApplicable;   ///< logical block of the launch
+    std::uint32_t thread = reference::kNotApplicable;  ///< of the block
     std::uint32_t ray = reference::kNotApplicable;
     std::string field;
     std::string expected;  ///< floats as hex and decimal
     std::string found;
     std::string sentence;
+    std::string
+        written_by;  ///< "thread 3 of block 7 of kernel K at FILE:LINE", where that is known
 };
 
 /// "launch 12 bounce1/level3/intersect, node 40, block 7, ray 1234: sentence (field: expected ..,

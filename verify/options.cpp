@@ -7,6 +7,7 @@
 
 #include "reference/error.h"
 #include "scenes/scenes.h"
+#include "verify/checked_program.h"
 #include "verify/ray_file.h"
 
 namespace scotty::verify {
@@ -173,6 +174,31 @@ void add_filter_options(CLI::App& command, ConfigurationFilter& filter) {
 
 reference::Scene load_scene_argument(const std::string& scene) {
     return scene.ends_with(".scn") ? read_scene_file(scene) : scenes::load_scene(scene);
+}
+
+void add_backend_options(CLI::App& command, BackendChoice& choice, const std::string& help,
+                         bool one_configuration) {
+    command.add_option("--backend", choice.name, help)->capture_default_str();
+    command.add_flag("--check", choice.check,
+                     "with --backend simt: watch every load and store of the kernels for races, "
+                     "unwritten memory and bounds");
+    if (!one_configuration) return;
+    add_word(
+        command, "--schedule",
+        [&choice](const std::string& word) { choice.schedule = parse_schedule(word); },
+        "order of the blocks, on the CPU: parallel, serial, reversed or shuffled (by --seed)",
+        "WORD", kPipeline);
+}
+
+Backend chosen_backend(const BackendChoice& choice, std::size_t threads,
+                       const PipelineParameters& parameters) {
+    if (choice.check && choice.name != "simt") {
+        throw Error::bad_input(
+            "--check",
+            fmt::format("needs --backend simt: what the {} touches is not watched", choice.name));
+    }
+    if (choice.check) become_checked_program();
+    return backend_named(choice.name, Configuration{parameters, choice.schedule}.device(threads));
 }
 
 void add_thread_option(CLI::App& command, std::size_t& threads) {

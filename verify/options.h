@@ -7,6 +7,7 @@
 
 #include "reference/pipeline_parameters.h"
 #include "reference/scene.h"
+#include "verify/backend.h"
 #include "verify/configurations.h"
 
 namespace scotty::verify {
@@ -26,6 +27,20 @@ void add_filter_options(CLI::App& command, ConfigurationFilter& filter);
 
 /// A built-in scene, a file that scenes/ loads, or a .scn of bare triangles (verify/ray_file.h).
 reference::Scene load_scene_argument(const std::string& scene);
+
+/// Who runs the pipeline, and how closely it is watched.
+struct BackendChoice {
+    std::string name = "emulator";
+    bool check = false;
+    Schedule schedule = Schedule::parallel;
+};
+/// --backend and --check, and --schedule for commands that run one configuration.
+void add_backend_options(CLI::App& command, BackendChoice& choice, const std::string& help,
+                         bool one_configuration);
+/// Throws as backend_named() does, and bad_input where --check does not go with the back end. With
+/// --check this may go on as another program.
+Backend chosen_backend(const BackendChoice& choice, std::size_t threads,
+                       const reference::PipelineParameters& parameters);
 
 /// --threads
 void add_thread_option(CLI::App& command, std::size_t& threads);

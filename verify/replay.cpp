@@ -91,9 +91,18 @@ DiffReport diff_with_run(const Capture& capture, const Backend& backend, DiffOpt
     PipelineInput input = read_pipeline_input(capture.directory());
     input.parameters.arithmetic = options.b_arithmetic;
     options.b_backend = backend.name;
+    options.written_by = backend.written_by;
     Differ differ(capture, std::move(options));
-    backend.render(input, &differ);
-    DiffReport report = differ.finish([](std::string_view) { return true; });
+    bool whole_run = true;
+    try {
+        backend.render(input, &differ);
+    } catch (const reference::Error& error) {
+        // What had been seen until then leads: it may well be the reason.
+        if (error.kind() != reference::ErrorKind::internal) throw;
+        differ.add_end(error.what());
+        whole_run = false;
+    }
+    DiffReport report = differ.finish([&](std::string_view) { return whole_run; });
     report.b = fmt::format("a run of the {}", backend.name);
     return report;
 }

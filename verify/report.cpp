@@ -186,11 +186,13 @@ nlohmann::json to_json(const PlacedFailure& placed) {
             {"level", number_or_null(f.level)},
             {"node", number_or_null(f.node)},
             {"block", number_or_null(f.block)},
+            {"thread", number_or_null(f.thread)},
             {"ray", number_or_null(f.ray)},
             {"field", f.field},
             {"expected", f.expected},
             {"found", f.found},
             {"sentence", f.sentence},
+            {"written_by", f.written_by},
             {"replay", placed.replay},
             {"approve", placed.approve}};
 }

@@ -55,9 +55,6 @@ class SceneVerification {
  public:
     SceneVerification(const reference::Scene& scene, const VerifySettings& settings)
         : scene_(scene), settings_(settings) {
-        if (settings.backend != "emulator") {
-            backend_ = backend_named(settings.backend, settings.threads);
-        }
         report_.scene = scene.name;
         report_.source = scene.source;
         report_.triangles = scene.triangles.size();
@@ -109,7 +106,8 @@ class SceneVerification {
             "--leaf-size {} {}",
             scene_.source.empty() ? scene_.name : scene_.source, p.image_width, p.image_height,
             p.spp, p.bounces, p.light_samples, p.seed, p.max_leaf_size, configuration.options());
-        if (backend_) command += " --backend " + settings_.backend;
+        if (settings_.backend != "emulator") command += " --backend " + settings_.backend;
+        if (settings_.check) command += " --check";
         if (settings_.threads != 0) command += fmt::format(" --threads {}", settings_.threads);
         return command;
     }
@@ -127,15 +125,17 @@ class SceneVerification {
         begin_step(configuration.label());
         const auto start = Clock::now();
         const PipelineParameters& p = configuration.parameters;
+        const emulation::DeviceOptions device = configuration.device(settings_.threads);
         const reference::WideBvh& bvh = bvh_of(p.width);
         Recording recording;
         Recorder recorder(p, recording);
         InvariantChecker checker(scene_, bvh, p, {.stage_pattern = settings_.stage_pattern});
         std::optional<EmulatorDiff> emulator;
         const PipelineInput* input = nullptr;
-        if (settings_.backend != "emulator") {
+        const Backend backend = backend_named(settings_.backend, device);
+        if (backend.name != "emulator") {
             input = &input_of(bvh, p);
-            emulator.emplace(*input, settings_.threads, settings_.backend);
+            emulator.emplace(*input, settings_.threads, backend);
         }
         std::vector<reference::StageObserver*> all{&checker, &recorder};
         if (emulator) all.push_back(&emulator->observer());
@@ -151,20 +151,12 @@ class SceneVerification {
             baseline == nullptr ? "baseline: " + configuration.label() : configuration.label();
         out.replay = replay_of(configuration);
         try {
-            recording.image =
-                emulator ? backend_->render(*input, observer)
-                         : emulation::Pipeline(scene_, bvh, p,
-                                               configuration.device(settings_.threads), observer)
-                               .render();
+            recording.image = emulator
+                                  ? backend.render(*input, observer)
+                                  : emulation::Pipeline(scene_, bvh, p, device, observer).render();
         } catch (const reference::Error& error) {
             // What had been seen until then leads: it may well be the reason.
-            out.failures = checker.failures();
-            if (emulator) {
-                // Where it parted from the emulator comes before what came of it.
-                for (Failure& difference : emulator->finish(out.stages, false)) {
-                    out.failures.push_back(std::move(difference));
-                }
-            }
+            out.failures = failures_until_now(checker, emulator, out.stages, false);
             Failure failure;
             failure.invariant = "error";
             failure.stage = "render";
@@ -174,16 +166,10 @@ class SceneVerification {
             out.counts.failures += 1;
             return recording;
         }
-        out.failures = checker.failures();
+        out.failures = failures_until_now(checker, emulator, out.stages, true);
         out.counts = checker.counts();
+        out.counts.failures += out.failures.size() - checker.failures().size();
         out.rays = recording.living_rays();
-        if (emulator) {
-            for (Failure& difference : emulator->finish(out.stages, true)) {
-                if (!stage_matches(settings_.stage_pattern, difference.stage)) continue;
-                out.failures.push_back(std::move(difference));
-                ++out.counts.failures;
-            }
-        }
         if (baseline != nullptr) {
             const bool any = p.shadow_query == reference::ShadowQuery::any &&
                              p.early_out != reference::EarlyOut::off;
@@ -195,6 +181,20 @@ class SceneVerification {
         }
         out.seconds = seconds_since(start);
         return recording;
+    }
+
+    /// Where the run parted from the emulator, which names who wrote it, and then the invariants
+    /// that it broke.
+    std::vector<Failure> failures_until_now(const InvariantChecker& checker,
+                                            std::optional<EmulatorDiff>& emulator,
+                                            StageCounts& stages, bool whole_run) const {
+        std::vector<Failure> failures;
+        if (emulator) failures = emulator->finish(stages, whole_run);
+        std::erase_if(failures, [&](const Failure& failure) {
+            return !stage_matches(settings_.stage_pattern, failure.stage);
+        });
+        failures.insert(failures.end(), checker.failures().begin(), checker.failures().end());
+        return failures;
     }
 
     void run_oracles(const Recording& truth) {
@@ -224,7 +224,6 @@ class SceneVerification {
     SceneReport report_;
     std::map<int, reference::WideBvh> bvhs_;
     std::map<int, PipelineInput> inputs_;
-    std::optional<Backend> backend_;  ///< where it is not the emulator
     std::size_t done_ = 0;
     std::size_t steps_ = 0;
 };

@@ -20,6 +20,7 @@ struct VerifySettings {
     /// Who runs all configurations. Any but the emulator is compared with it besides, launch by
     /// launch.
     std::string backend = "emulator";
+    bool check = false;  ///< this program checks what kernels touch (--check); noted for replays
     std::string stage_pattern;  ///< judge these stages only
     bool oracles = true;
     std::uint64_t brute_force_tests = 400'000'000;  ///< see HitCheckSettings

@@ -1,6 +1,8 @@
 #include "emulation/simt/block_runner.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstdio>
 #include <cstring>
 #include <exception>
 #include <utility>
@@ -18,15 +20,21 @@ void BlockRunner::enter(const Launch& launch, std::uint32_t block) {
     context.block_size = launch.threads;
     context.grid_size = launch.blocks;
     ballots_[0].fill(0);
+    masks_.fill(0);
     context.ballots_in = ballots_[0].data();
     context.ballots_out = ballots_[1].data();
     context.values_in = values_[0].data();
     context.values_out = values_[1].data();
+    context.masks = masks_.data();
     context.returns = returns_.data();
     context.arena = &arena_;
     context.shared = &shared_;
     context.kernel = launch.kernel;
-    context.observer = launch.observer;
+    if (launch.checker == nullptr) return;
+    shared_shadow_.resize(SharedMemory::kBytes / 4);
+    context.checker = launch.checker;
+    context.launch = launch.number;
+    context.shared_shadow = shared_shadow_.data();
 }
 
 void BlockRunner::run(const Launch& launch, std::uint32_t block, ScheduleKind order,
@@ -34,24 +42,32 @@ void BlockRunner::run(const Launch& launch, std::uint32_t block, ScheduleKind or
     SCOTTY_ASSERT(launch.threads, <=, kMaxThreads);
     SCOTTY_ASSERT(launch.threads, >, 0u);
     enter(launch, block);
+    if (launch.dynamic_shared != 0) {
+        shared_.object(&kDynamicShared, "dynamic shared memory", launch.dynamic_shared, 16);
+    }
     order_.start_block(order, seed, (launch.threads + kLanes - 1) / kLanes);
     try {
         run_phase<true>(launch);
         while (stops_[0].site->kind == SiteKind::barrier) {
-            if (context.observer != nullptr) context.observer->on_barrier(block, *stops_[0].site);
+            ++context.phase;
             run_phase<false>(launch);
         }
     } catch (const LaunchError&) {
-        context.kernel = nullptr;
+        leave();
         throw;
     } catch (...) {
-        context.kernel = nullptr;
+        leave();
         fail_thread(launch);
     }
     SCOTTY_ASSERT(context.started, ==, launch.threads);
     SCOTTY_ASSERT(context.finished, ==, launch.threads);
     threads_run_ += context.finished;
+    leave();
+}
+
+void BlockRunner::leave() {
     context.kernel = nullptr;
+    context.checker = nullptr;
 }
 
 template <bool First>
@@ -74,8 +90,8 @@ bool BlockRunner::run_warp(const Launch& launch, std::uint32_t warp) {
     const std::uint32_t base = warp * kLanes;
     const std::uint32_t lanes = std::min(kLanes, launch.threads - base);
     ThreadStop* const stops = stops_.data() + base;
+    context.lanes = lanes;
     const auto take_turns = [&](const auto& turn) {
-        context.ballot_in = 0;
         for (const std::uint8_t lane : order_.lane_order) {
             if (lane >= lanes) continue;
             context.thread = base + lane;
@@ -89,6 +105,10 @@ bool BlockRunner::run_warp(const Launch& launch, std::uint32_t warp) {
         take_turns([](const ThreadStop& stop) { stop.handle.resume(); });
     }
     for (;;) {
+        if (context.masked) [[unlikely]] {
+            context.masked = false;
+            if (run_masked(launch, base, lanes)) continue;
+        }
         const Site* const site = stops[0].site;
         std::uintptr_t other = 0;
         for (std::uint32_t lane = 1; lane < lanes; ++lane) {
@@ -97,12 +117,53 @@ bool BlockRunner::run_warp(const Launch& launch, std::uint32_t warp) {
         }
         if (other != 0) return false;
         if (site->kind != SiteKind::collective) return true;
-        context.ballot_out = context.ballot_in;
+        if (masks_[0] != 0) return false;  // at a mask that names other lanes, too
+        context.ballot_out = std::exchange(context.ballot_in, 0);
         std::swap(context.values_in, context.values_out);
         std::swap(context.ballots_in, context.ballots_out);
         std::memset(context.ballots_in, 0, sizeof ballots_[0]);
         take_turns([](const ThreadStop& stop) { stop.handle.resume(); });
     }
+}
+
+bool BlockRunner::run_masked(const Launch& launch, std::uint32_t base, std::uint32_t lanes) {
+    ThreadStop* const stops = stops_.data() + base;
+    const std::uint32_t there = lanes < kLanes ? (1u << lanes) - 1u : ~0u;
+    bool went_on = false;
+    for (std::uint32_t first = 0; first < lanes; ++first) {
+        const std::uint32_t mask = masks_[first];
+        if (mask == 0) continue;
+        if ((mask >> first & 1u) == 0) fail_mask(launch, base + first, mask);
+        bool ready = true;
+        for (std::uint32_t lane = 0; lane < lanes; ++lane) {
+            if ((mask >> lane & 1u) == 0) continue;
+            ready &= stops[lane].site == stops[first].site && masks_[lane] == mask;
+        }
+        if (!ready) continue;
+        went_on = true;
+        for (std::uint32_t bits = mask & there; bits != 0; bits &= bits - 1) {
+            const auto lane = static_cast<std::uint32_t>(std::countr_zero(bits));
+            context.values_out[lane] = context.values_in[lane];
+            masks_[lane] = 0;
+        }
+        for (const std::uint8_t lane : order_.lane_order) {
+            if (lane >= lanes || (mask >> lane & 1u) == 0) continue;
+            context.thread = base + lane;
+            context.stop = stops + lane;
+            stops[lane].handle.resume();
+        }
+    }
+    context.masked = std::any_of(masks_.begin(), masks_.begin() + lanes,
+                                 [](std::uint32_t mask) { return mask != 0; });
+    return went_on;
+}
+
+void BlockRunner::fail_mask(const Launch& launch, std::uint32_t thread, std::uint32_t mask) const {
+    char bits[16];
+    std::snprintf(bits, sizeof bits, "0x%08x", mask);
+    throw LaunchError(launch.kernel, context.block, launch.threads, {},
+                      to_text(ThreadGroup{stops_[thread].site, nullptr, {thread}}) +
+                          " with a mask that it is not in: " + bits);
 }
 
 void BlockRunner::fail_divergent(const Launch& launch) const {

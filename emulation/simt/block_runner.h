@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "emulation/device.h"
+#include "emulation/simt/check/memory_checker.h"
 #include "emulation/simt/context.h"
 #include "emulation/simt/launch_error.h"
 #include "emulation/simt/thread_order.h"
@@ -23,9 +24,11 @@ struct Launch {
     const char* kernel = "";
     std::uint32_t blocks = 0;
     std::uint32_t threads = 0;                       ///< a block
+    std::size_t dynamic_shared = 0;                  ///< bytes a block
     void (*start)(const void* arguments) = nullptr;  ///< one thread, to its first stop
     const void* arguments = nullptr;
-    AccessObserver* observer = nullptr;
+    MemoryChecker* checker = nullptr;
+    std::uint32_t number = 0;  ///< to the checker
 };
 
 class BlockRunner {
@@ -37,11 +40,16 @@ class BlockRunner {
 
  private:
     void enter(const Launch& launch, std::uint32_t block);
+    static void leave();
     /// Runs the warp up to a barrier or its end. False where its lanes do not meet.
     template <bool First>
     bool run_warp(const Launch& launch, std::uint32_t warp);
+    /// Lets those lanes go on whose mask's lanes all stand where they do. False where none can.
+    bool run_masked(const Launch& launch, std::uint32_t base, std::uint32_t lanes);
     template <bool First>
     void run_phase(const Launch& launch);
+    [[noreturn]] void fail_mask(const Launch& launch, std::uint32_t thread,
+                                std::uint32_t mask) const;
     [[noreturn]] void fail_divergent(const Launch& launch) const;
     /// Inside a handler: what the running thread has thrown.
     [[noreturn]] void fail_thread(const Launch& launch) const;
@@ -50,9 +58,11 @@ class BlockRunner {
     std::array<const Site*, kMaxThreads> returns_{};
     std::array<std::array<std::uint32_t, kLanes>, 2> values_{};
     std::array<std::array<std::uint32_t, kLanes>, 2> ballots_{};
+    std::array<std::uint32_t, kLanes> masks_{};
     ThreadOrder order_;
     FrameArena arena_;
     SharedMemory shared_;
+    std::vector<Shadow> shared_shadow_;  ///< where there is a checker
     std::uint64_t threads_run_ = 0;
 };
 

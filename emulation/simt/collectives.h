@@ -62,6 +62,57 @@ struct WarpShuffleUp : Stop {
     std::uint32_t delta;
 };
 
+/// A collective of the lanes that a mask names, and of no others: lanes of one warp may stand at
+/// several. What each lane brings is there for all of them.
+struct MaskedStop : Stop {
+    MaskedStop(std::uint32_t value, std::uint32_t lanes) : mask(lanes) {
+        context.values_in[context.thread % kLanes] = value;
+        context.masks[context.thread % kLanes] = lanes;
+        context.masked = true;
+    }
+    std::uint32_t mask;
+
+ protected:
+    /// Bit i: lane i takes part and has brought `value`.
+    std::uint32_t lanes_with(std::uint32_t value) const noexcept {
+        std::uint32_t lanes = 0;
+        const std::uint32_t there = context.lanes < kLanes ? (1u << context.lanes) - 1u : ~0u;
+        for (std::uint32_t bits = mask & there; bits != 0; bits &= bits - 1) {
+            const auto lane = static_cast<std::uint32_t>(std::countr_zero(bits));
+            lanes |= static_cast<std::uint32_t>(context.values_out[lane] == value) << lane;
+        }
+        return lanes;
+    }
+    /// The value of a lane that takes part; the thread's own for any other.
+    std::uint32_t value_of(std::uint32_t lane) const noexcept {
+        const bool takes_part = lane < context.lanes && (mask >> lane & 1u) != 0;
+        return context.values_out[takes_part ? lane : context.thread % kLanes];
+    }
+};
+
+struct MaskedBallot : MaskedStop {
+    MaskedBallot(bool predicate, std::uint32_t lanes) : MaskedStop(predicate ? 1 : 0, lanes) {}
+    std::uint32_t await_resume() const noexcept { return lanes_with(1); }
+};
+struct WarpAny : MaskedStop {
+    WarpAny(bool predicate, std::uint32_t lanes) : MaskedStop(predicate ? 1 : 0, lanes) {}
+    bool await_resume() const noexcept { return lanes_with(1) != 0; }
+};
+struct WarpAll : MaskedStop {
+    WarpAll(bool predicate, std::uint32_t lanes) : MaskedStop(predicate ? 1 : 0, lanes) {}
+    bool await_resume() const noexcept { return lanes_with(0) == 0; }
+};
+struct WarpMatch : MaskedStop {
+    using MaskedStop::MaskedStop;
+    std::uint32_t await_resume() const noexcept { return lanes_with(value_of(kLanes)); }
+};
+struct WarpShuffle : MaskedStop {
+    WarpShuffle(std::uint32_t value, std::uint32_t lane, std::uint32_t lanes)
+        : MaskedStop(value, lanes), from(lane) {}
+    std::uint32_t await_resume() const noexcept { return value_of(from % kLanes); }
+    std::uint32_t from;
+};
+
 /// What SCOTTY_AWAIT awaits: a collective, whose place is noted, or a function, which needs none.
 template <class Collective>
 Collective at(const Site& site, Collective collective) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <coroutine>
-#include <cstddef>
 #include <cstdint>
 
 #include "emulation/simt/frame_arena.h"
@@ -13,22 +12,8 @@ namespace scotty::emulation::simt {
 
 constexpr std::uint32_t kLanes = 32;
 
-/// The place for a checker of memory accesses. It hears of what the dialect's functions touch and
-/// of every barrier; plain loads and stores of a kernel go through no function, and are the
-/// compiler's to report (instrumented code calls back, and `context` says which thread it was).
-class AccessObserver {
- public:
-    enum class Access : std::uint8_t { read, relaxed_read, atomic };
-    AccessObserver() = default;
-    AccessObserver(const AccessObserver&) = delete;
-    AccessObserver& operator=(const AccessObserver&) = delete;
-    virtual ~AccessObserver() = default;
-
-    /// By the thread that `context` names.
-    virtual void on_access(Access access, const void* address, std::size_t bytes) = 0;
-    /// All threads of the block have come to the barrier.
-    virtual void on_barrier(std::uint32_t block, const Site& site) = 0;
-};
+class MemoryChecker;  // check/memory_checker.h
+struct Shadow;
 
 /// Where a thread of the block stands.
 struct ThreadStop {
@@ -42,6 +27,7 @@ struct Context {
     std::uint32_t block = 0;
     std::uint32_t block_size = 0;
     std::uint32_t grid_size = 0;
+    std::uint32_t lanes = 0;  ///< of the running warp: fewer than 32 where the block ends in it
     /// The warp's collective: what lanes bring, and what the last one made of it.
     std::uint32_t ballot_in = 0;
     std::uint32_t ballot_out = 0;
@@ -49,6 +35,9 @@ struct Context {
     std::uint32_t* ballots_out = nullptr;
     std::uint32_t* values_in = nullptr;
     std::uint32_t* values_out = nullptr;
+    /// Of collectives with a mask, by lane: what the lane has passed, 0 where it stands at none.
+    std::uint32_t* masks = nullptr;
+    bool masked = false;  ///< some lane of the warp may stand at one
     /// By thread of the block: the SCOTTY_RETURN that ended it; null: the kernel's end.
     const Site** returns = nullptr;
     std::uint32_t started = 0;
@@ -56,15 +45,13 @@ struct Context {
     FrameArena* arena = nullptr;
     SharedMemory* shared = nullptr;
     const char* kernel = nullptr;  ///< null while none runs
-    AccessObserver* observer = nullptr;
+    std::uint32_t phase = 0;       ///< barriers that the block has passed
+    /// Who hears of the accesses of instrumented kernels; null: nobody.
+    MemoryChecker* checker = nullptr;
+    std::uint32_t launch = 0;         ///< its number, to the checker
+    Shadow* shared_shadow = nullptr;  ///< of the block's shared memory
 };
 
 inline constinit thread_local Context context{};
-
-inline void note_access(AccessObserver::Access access, const void* address, std::size_t bytes) {
-    if (context.observer != nullptr) [[unlikely]] {
-        context.observer->on_access(access, address, bytes);
-    }
-}
 
 }  // namespace scotty::emulation::simt

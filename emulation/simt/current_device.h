@@ -35,11 +35,17 @@ class CurrentDevice {
     Executor* before_;
 };
 
+inline void label_on_current_device(const void* memory, const char* name) {
+    const Executor* executor = CurrentDevice::current();
+    if (executor != nullptr && executor->checker() != nullptr) {
+        executor->checker()->label(memory, name);
+    }
+}
+
 /// SCOTTY_LAUNCH. The stream is the default one's or any other: a launch is over on return.
 template <class Stream, class... Parameters, class... Arguments>
-void launch_on_current_device(const char* name, std::uint32_t blocks, std::uint32_t threads,
-                              const Stream&, Kernel (*kernel)(Parameters...),
-                              Arguments&&... arguments) {
+void launch_on_current_device(const char* name, const Grid& grid, const Stream&,
+                              Kernel (*kernel)(Parameters...), Arguments&&... arguments) {
     std::string& failure = CurrentDevice::launch_failure();
     if (!failure.empty()) return;
     if (CurrentDevice::current() == nullptr) {
@@ -47,8 +53,7 @@ void launch_on_current_device(const char* name, std::uint32_t blocks, std::uint3
         return;
     }
     try {
-        CurrentDevice::current()->launch(name, blocks, threads, kernel,
-                                         std::forward<Arguments>(arguments)...);
+        CurrentDevice::current()->launch(name, grid, kernel, std::forward<Arguments>(arguments)...);
     } catch (const reference::Error& error) {
         failure = error.what();
     }

@@ -24,14 +24,24 @@
     for (::scotty::emulation::simt::leave(SCOTTY_SITE(exit));;) co_return
 #define SCOTTY_SHARED(type, name)                                                       \
     type& name = *static_cast<type*>(::scotty::emulation::simt::context.shared->object( \
-        &SCOTTY_SITE(exit), sizeof(type), alignof(type)))
-#define SCOTTY_LAUNCH(kernel, blocks, threads, stream, ...)                               \
-    ::scotty::emulation::simt::launch_on_current_device(#kernel, blocks, threads, stream, \
-                                                        kernel __VA_OPT__(, ) __VA_ARGS__)
+        &SCOTTY_SITE(exit), #name, sizeof(type), alignof(type)))
+#define SCOTTY_SHARED_DYNAMIC(type, name) \
+    type* const name = static_cast<type*>(::scotty::emulation::simt::context.shared->dynamic())
+#define SCOTTY_LAUNCH(kernel, blocks, threads, stream, ...) \
+    SCOTTY_LAUNCH_SHARED(kernel, blocks, threads, 0, stream __VA_OPT__(, ) __VA_ARGS__)
+#define SCOTTY_LAUNCH_SHARED(kernel, blocks, threads, bytes, stream, ...)         \
+    ::scotty::emulation::simt::launch_on_current_device(                          \
+        #kernel, ::scotty::emulation::simt::Grid{blocks, threads, bytes}, stream, \
+        kernel __VA_OPT__(, ) __VA_ARGS__)
 
 namespace SCOTTY_DEVICE_NAMESPACE {
 
 constexpr std::uint32_t kWarpSize = emulation::simt::kLanes;
+constexpr std::uint32_t kWholeWarp = 0xffffffffu;
+
+inline void label_memory(const void* memory, const char* name) {
+    emulation::simt::label_on_current_device(memory, name);
+}
 
 SCOTTY_DEVICE std::uint32_t thread_index() { return emulation::simt::context.thread; }
 SCOTTY_DEVICE std::uint32_t block_size() { return emulation::simt::context.block_size; }
@@ -42,6 +52,23 @@ SCOTTY_DEVICE std::uint32_t warp_index() { return thread_index() / kWarpSize; }
 
 SCOTTY_DEVICE emulation::simt::WarpBallot warp_ballot(bool predicate) {
     return emulation::simt::WarpBallot(predicate);
+}
+SCOTTY_DEVICE emulation::simt::MaskedBallot warp_ballot(bool predicate, std::uint32_t mask) {
+    return {predicate, mask};
+}
+SCOTTY_DEVICE emulation::simt::WarpAny warp_any(bool predicate, std::uint32_t mask = kWholeWarp) {
+    return {predicate, mask};
+}
+SCOTTY_DEVICE emulation::simt::WarpAll warp_all(bool predicate, std::uint32_t mask = kWholeWarp) {
+    return {predicate, mask};
+}
+SCOTTY_DEVICE emulation::simt::WarpMatch warp_match(std::uint32_t value,
+                                                    std::uint32_t mask = kWholeWarp) {
+    return {value, mask};
+}
+SCOTTY_DEVICE emulation::simt::WarpShuffle warp_shuffle(std::uint32_t value, std::uint32_t lane,
+                                                        std::uint32_t mask = kWholeWarp) {
+    return {value, lane, mask};
 }
 template <int Count>
 SCOTTY_DEVICE emulation::simt::WarpBallots<Count> warp_ballots(std::uint32_t bits) {
@@ -58,36 +85,25 @@ SCOTTY_DEVICE std::uint32_t bits_below_lane(std::uint32_t bits) {
     return bits & ((1u << lane_index()) - 1u);
 }
 
-using Access = emulation::simt::AccessObserver::Access;
-using emulation::simt::note_access;
-
 SCOTTY_DEVICE std::uint32_t atomic_add(std::uint32_t* target, std::uint32_t value) {
-    note_access(Access::atomic, target, sizeof *target);
     return emulation::atomic_add(*target, value);
 }
 SCOTTY_DEVICE void atomic_max(std::uint32_t* target, std::uint32_t value) {
-    note_access(Access::atomic, target, sizeof *target);
     emulation::atomic_max(*target, value);
 }
 SCOTTY_DEVICE void atomic_min(std::uint64_t* target, std::uint64_t value) {
-    note_access(Access::atomic, target, sizeof *target);
     emulation::atomic_min(*target, value);
 }
 SCOTTY_DEVICE void atomic_min_distance(float* target, float value) {
-    note_access(Access::atomic, target, sizeof *target);
     emulation::atomic_min_distance(*target, value);
 }
-SCOTTY_DEVICE float load_relaxed(const float* source) {
-    note_access(Access::relaxed_read, source, sizeof *source);
-    return emulation::load_relaxed(*source);
-}
+SCOTTY_DEVICE float load_relaxed(const float* source) { return emulation::load_relaxed(*source); }
 SCOTTY_DEVICE std::uint32_t float_bits(float value) { return std::bit_cast<std::uint32_t>(value); }
 SCOTTY_DEVICE float bits_float(std::uint32_t bits) { return std::bit_cast<float>(bits); }
 
 template <class Record>
 SCOTTY_DEVICE Record load_record(const Record* source) {
     static_assert(sizeof(Record) % 16 == 0, "whole 16-byte loads");
-    note_access(Access::read, source, sizeof *source);
     return *source;
 }
 

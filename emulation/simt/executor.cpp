@@ -4,14 +4,33 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
-#include <exception>
 #include <numeric>
 #include <string>
-#include <thread>
+#include <tuple>
 
 #include "emulation/simt/crash_report.h"
 
 namespace scotty::emulation::simt {
+
+namespace {
+
+/// Races first, which explain what is unwritten; then in an order that does not depend on who came
+/// first.
+[[noreturn]] void throw_findings(const Launch& launch, std::vector<MemoryFinding> findings,
+                                 const std::string& after) {
+    std::sort(findings.begin(), findings.end(), [](const auto& a, const auto& b) {
+        return std::tie(a.kind, a.block, a.thread, a.place) <
+               std::tie(b.kind, b.block, b.thread, b.place);
+    });
+    std::string what = to_text(findings.front());
+    if (findings.size() > 1) {
+        what += " (and " + std::to_string(findings.size() - 1) +
+                " more, such as: " + to_text(findings[1]) + ")";
+    }
+    throw LaunchError(launch.kernel, findings.front().block, launch.threads, {}, what + after);
+}
+
+}  // namespace
 
 Executor::Executor(const SimtOptions& options)
     : options_(options),
@@ -27,8 +46,28 @@ void Executor::run(Launch& launch) {
             std::to_string(launch.blocks) + " blocks of " + std::to_string(launch.threads) +
             " threads; at least one block of 1 to " + std::to_string(kMaxThreads) + " is needed");
     }
-    launch.observer = observer_;
     ++launches_;
+    if (checker_ == nullptr) {
+        run_blocks(launch);
+        return;
+    }
+    launch.checker = checker_.get();
+    launch.number = checker_->begin_launch(launch.kernel);
+    try {
+        run_blocks(launch);
+    } catch (const LaunchError& error) {
+        const std::vector<MemoryFinding> findings = checker_->take_findings();
+        if (findings.empty()) throw;
+        throw_findings(launch, findings, std::string("; then ") + error.what());
+    }
+    if (const std::vector<MemoryFinding> findings = checker_->take_findings(); !findings.empty()) {
+        throw_findings(launch, findings, "");
+    }
+}
+
+void Executor::check_memory() { checker_ = std::make_unique<MemoryChecker>(); }
+
+void Executor::run_blocks(const Launch& launch) {
     const auto seed_of = [this](std::uint32_t block) {
         return mixed(options_.schedule_seed, launches_, block);
     };
@@ -38,9 +77,6 @@ void Executor::run(Launch& launch) {
         }
         return;
     }
-#if defined(SCOTTY_PLAIN_THREADS)
-    run_on_plain_threads(launch);
-#else
     // A worker takes about a thousand threads' work at once.
     const std::uint32_t grain = std::max<std::uint32_t>(1, 1024 / launch.threads);
     arena_.execute([&] {
@@ -53,34 +89,7 @@ void Executor::run(Launch& launch) {
                 }
             });
     });
-#endif
 }
-
-#if defined(SCOTTY_PLAIN_THREADS)
-/// The thread sanitizer cannot see how TBB hands work on, but it knows what starting and joining a
-/// thread mean: launches are ordered, blocks of one launch on different threads are not.
-void Executor::run_on_plain_threads(const Launch& launch) {
-    constexpr std::uint32_t kWorkers = 3;
-    std::vector<std::exception_ptr> errors(kWorkers);
-    std::vector<std::thread> workers;
-    for (std::uint32_t worker = 0; worker < kWorkers; ++worker) {
-        workers.emplace_back([&, worker] {
-            try {
-                BlockRunner runner;
-                for (std::uint32_t block = worker; block < launch.blocks; block += kWorkers) {
-                    runner.run(launch, block, ScheduleKind::linear, 0);
-                }
-            } catch (...) {
-                errors[worker] = std::current_exception();
-            }
-        });
-    }
-    for (std::thread& worker : workers) worker.join();
-    for (const std::exception_ptr& error : errors) {
-        if (error) std::rethrow_exception(error);
-    }
-}
-#endif
 
 std::vector<std::uint32_t> Executor::block_order(std::uint32_t blocks) const {
     std::vector<std::uint32_t> order(blocks);

@@ -8,6 +8,7 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <cstdint>
+#include <memory>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -15,6 +16,7 @@
 
 #include "emulation/device.h"
 #include "emulation/simt/block_runner.h"
+#include "emulation/simt/check/memory_checker.h"
 #include "emulation/simt/task.h"
 
 namespace scotty::emulation::simt {
@@ -22,6 +24,12 @@ namespace scotty::emulation::simt {
 /// As the volume tier's. An explicit order holds for blocks, warps and lanes; under `free` threads
 /// take turns in ascending order.
 using SimtOptions = DeviceOptions;
+
+struct Grid {
+    std::uint32_t blocks = 0;
+    std::uint32_t threads = 0;       ///< a block
+    std::size_t dynamic_shared = 0;  ///< bytes a block, beside what the kernel declares
+};
 
 /// One executor is used by one host thread at a time.
 class Executor {
@@ -36,6 +44,11 @@ class Executor {
     template <class... Parameters, class... Arguments>
     void launch(const char* name, std::uint32_t blocks, std::uint32_t threads,
                 Kernel (*kernel)(Parameters...), Arguments&&... arguments) {
+        launch(name, Grid{blocks, threads, 0}, kernel, std::forward<Arguments>(arguments)...);
+    }
+    template <class... Parameters, class... Arguments>
+    void launch(const char* name, const Grid& grid, Kernel (*kernel)(Parameters...),
+                Arguments&&... arguments) {
         static_assert((std::is_trivially_copyable_v<std::remove_reference_t<Parameters>> && ...),
                       "parameters of a kernel are copied to the device byte by byte");
         struct Call {
@@ -45,8 +58,9 @@ class Executor {
         const Call call{kernel, {std::forward<Arguments>(arguments)...}};
         Launch launch;
         launch.kernel = name;
-        launch.blocks = blocks;
-        launch.threads = threads;
+        launch.blocks = grid.blocks;
+        launch.threads = grid.threads;
+        launch.dynamic_shared = grid.dynamic_shared;
         launch.arguments = &call;
         launch.start = [](const void* memory) {
             const auto& thread = *static_cast<const Call*>(memory);
@@ -55,18 +69,21 @@ class Executor {
         run(launch);
     }
 
-    /// What a launch shows its accesses and barriers to; null: nothing, at the cost of a branch.
-    void observe(AccessObserver* observer) { observer_ = observer; }
+    /// From now on what kernels touch is checked, where they are instrumented for it (check/). A
+    /// finding fails its launch.
+    void check_memory();
+    /// Null where nothing is checked.
+    MemoryChecker* checker() const { return checker_.get(); }
     /// Threads that were started and have left, over all launches: each once.
     std::uint64_t threads_run() const;
 
  private:
     void run(Launch& launch);
-    void run_on_plain_threads(const Launch& launch);  ///< under the thread sanitizer
+    void run_blocks(const Launch& launch);
     std::vector<std::uint32_t> block_order(std::uint32_t blocks) const;
 
     SimtOptions options_;
-    AccessObserver* observer_ = nullptr;
+    std::unique_ptr<MemoryChecker> checker_;
     std::uint64_t launches_ = 0;  ///< so that shuffled orders differ from launch to launch
     oneapi::tbb::task_arena arena_;
     oneapi::tbb::enumerable_thread_specific<BlockRunner> runners_;

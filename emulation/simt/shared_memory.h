@@ -14,6 +14,9 @@ namespace scotty::emulation::simt {
 /// What unwritten memory holds, shared and global: as a float -4.3e8, as an id out of any range.
 constexpr unsigned char kPoisonByte = 0xcd;
 
+/// The place of what a launch, and not the kernel, says the size of.
+inline constexpr char kDynamicShared = 0;
+
 class SharedMemory {
  public:
     /// What a kernel may declare statically on every CUDA device.
@@ -26,7 +29,7 @@ class SharedMemory {
 
     /// The object declared at `place`, the same for all threads of the block. It holds poison
     /// when the first of them comes past.
-    void* object(const void* place, std::size_t bytes, std::size_t alignment) {
+    void* object(const void* place, const char* name, std::size_t bytes, std::size_t alignment) {
         for (std::size_t i = 0; i < declared_; ++i) {
             if (declarations_[i].place == place) return memory_ + declarations_[i].offset;
         }
@@ -36,15 +39,34 @@ class SharedMemory {
                                              " bytes in " + std::to_string(declared_ + 1) +
                                              " objects: a block has 48 KiB and 32 objects");
         }
-        declarations_[declared_++] = {place, offset};
+        declarations_[declared_++] = {place, name, offset};
         used_ = offset + bytes;
         std::memset(memory_ + offset, kPoisonByte, bytes);
         return memory_ + offset;
     }
 
+    /// Null where the launch gave none.
+    void* dynamic() {
+        for (std::size_t i = 0; i < declared_; ++i) {
+            if (declarations_[i].place == &kDynamicShared) return memory_ + declarations_[i].offset;
+        }
+        return nullptr;
+    }
+
+    const std::byte* memory() const { return memory_; }
+    /// "counts, byte 12", for an offset in memory().
+    std::string name_at(std::size_t offset) const {
+        if (offset >= used_) return "behind all of it, byte " + std::to_string(offset - used_);
+        std::size_t i = declared_;
+        while (i > 1 && declarations_[i - 1].offset > offset) --i;
+        return std::string(declarations_[i - 1].name) + ", byte " +
+               std::to_string(offset - declarations_[i - 1].offset);
+    }
+
  private:
     struct Declaration {
         const void* place;
+        const char* name;
         std::size_t offset;
     };
     std::array<Declaration, 32> declarations_{};

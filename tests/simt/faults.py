@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Planted faults in the CUDA text, caught without a GPU, and the right launch, or kernel and threads, named.
+"""Planted faults in the CUDA text, caught without a GPU, with kernel, line and threads named.
 
-  faults.py BUILD OUT [NAME...]   plants each fault of tests/gpu/faults.json and tests/simt/faults.json, builds scotty with
-                                  it, captures with --backend simt, diffs; prints a table; 1 if one escapes
+  faults.py BUILD OUT [NAME...]   plants each fault of tests/gpu/faults.json and tests/simt/faults.json, builds scotty-checked
+                                  with it, runs it against a capture of the emulator, prints a table; 1 if one escapes
 
-A fault is a replacement in one file of gpu/ that has to match once, so that it cannot rot unseen. `first` is the
-launch that the diff has to name first, `error` what the executor has to say, `race` what the thread sanitizer has to
-say of simt_races, as regular expressions.
+A fault is a replacement in one file of gpu/ that has to match once, so that it cannot rot unseen. `error` is what a kernel
+has to be stopped with, `first` the launch that differs first where none is, `by` who has to be named for it (by default a
+thread, a kernel and a line), all as regular expressions.
 """
 import json
 import os
@@ -21,6 +21,7 @@ import faults as on_gpu  # tests/gpu/faults.py
 
 TOP = on_gpu.TOP
 RUN = on_gpu.RUN
+NAMED = r"written by thread \d+ of block \d+ of kernel \S+ at \S*(gpu|reference|emulation)/\S+:\d+"
 
 
 def load():
@@ -37,8 +38,9 @@ def run_of(fault):
     return fault.get("run", "--rays-per-block 64")
 
 
-def build_program(build, folder, units, target, program, archive):
+def build_program(build, folder, units):
     """The build's own commands for the units and the link, with the faulty tree first and another output."""
+    target, program, archive = "scotty_simt_checked", "scotty-checked", r" (\S*libscotty\S*\.a)"
     with open(os.path.join(build, "compile_commands.json"), encoding="utf-8") as file:
         commands = {entry["file"]: entry["command"] for entry in json.load(file)
                     if f"/{target}.dir/" in entry["command"]}
@@ -62,38 +64,28 @@ def build_program(build, folder, units, target, program, archive):
     return built
 
 
-def try_race(fault, build, folder):
-    """Under the thread sanitizer: it need not happen to be seen."""
-    program = build_program(build, folder, fault["units"], "simt_races", "simt_races", r" \S*/simt_races\.dir/\S*\.o")
-    ran = subprocess.run([program], capture_output=True, text=True, check=False)
-    said = next((line for line in ran.stderr.splitlines() if line.startswith("SUMMARY")), "no race")
-    said = said.replace(folder + "/", "").replace(TOP + "/", "")
-    return said, ran.returncode != 0 and re.search(fault["race"], said) is not None
-
-
 def try_fault(fault, build, out):
     """What was said first, and whether that is what should have been."""
     folder = os.path.join(out, fault["name"])
     on_gpu.plant(fault, folder)
-    if "race" in fault:
-        return try_race(fault, build, folder)
-    faulty = build_program(build, folder, fault["units"], "scotty_simt", "scotty", r" (\S*libscotty\S*\.a)")
-    scotty = os.path.join(build, "bin/scotty")
+    faulty = build_program(build, folder, fault["units"])
     expected = os.path.join(out, re.sub(r"[^a-z0-9]+", "_", "emulator " + run_of(fault)))
-    what = [*RUN.split(), *run_of(fault).split()]
     if not os.path.exists(expected):
-        subprocess.run([scotty, "capture", *what, "-o", expected], check=True, capture_output=True)
-    found = os.path.join(folder, "capture")
-    subprocess.run(["rm", "-rf", found], check=True)
-    ran = subprocess.run([faulty, "capture", *what, "--backend", "simt", "-o", found],
+        subprocess.run([os.path.join(build, "bin/scotty"), "capture", *RUN.split(), *run_of(fault).split(), "-o", expected],
+                       check=True, capture_output=True)
+    ran = subprocess.run([faulty, "diff", expected, "--backend", "simt", "--json"],
                          capture_output=True, text=True, check=False)
-    if "error" in fault or not os.path.exists(found):
-        said = (ran.stderr.strip() or "nothing").splitlines()[-1].replace(folder + "/", "").replace(TOP + "/", "")
+    shorten = "|".join(re.escape(path) + "/" for path in (os.path.relpath(folder, TOP), folder, TOP))
+    if ran.returncode != 1:  # by its own fault at the most
+        said = re.sub(shorten, "", (ran.stderr.strip() or "nothing").splitlines()[-1])
         return said, ran.returncode != 0 and re.search(fault.get("error", "^$"), said) is not None
-    diff = subprocess.run([scotty, "diff", expected, found, "--json"], capture_output=True, text=True, check=False)
-    divergence = json.loads(diff.stdout)["first_divergence"] or {"stage": "nothing differs", "what": ""}
-    said = f"launch {divergence.get('launch')} {divergence['stage']}: {divergence['what']}"
-    return said, re.fullmatch(fault["first"], divergence["stage"]) is not None
+    first = json.loads(ran.stdout)["first_divergence"]
+    said = f"launch {first['launch']} {first['stage']}: {re.sub(shorten, '', first['what'])}"
+    if "written_by" in first:
+        said += "; written by " + re.sub(shorten, "", first["written_by"])
+    if "error" in fault:
+        return said, re.search(fault["error"], said) is not None
+    return said, re.fullmatch(fault["first"], first["stage"]) is not None and re.search(fault.get("by", NAMED), said) is not None
 
 
 def main(build, out, names):

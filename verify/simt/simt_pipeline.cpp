@@ -1,5 +1,6 @@
 #include "verify/simt/simt_pipeline.h"
 
+#include "emulation/simt/check/source_line.h"
 #include "emulation/simt/current_device.h"
 #include "gpu/pipeline_build.h"
 
@@ -17,10 +18,18 @@ class SimtPipeline final : public gpu::Pipeline {
                  const reference::PipelineParameters& parameters, const SimtOptions& options,
                  reference::StageObserver* observer, const gpu::PipelineOptions& pipeline)
         : executor_(options) {
+        if (checks_memory()) executor_.check_memory();
         const CurrentDevice here(executor_);
         CurrentDevice::launch_failure().clear();
         pipeline_ = gpu::simt::make_pipeline(scene, bvh, parameters, pipeline, observer);
     }
+
+    ~SimtPipeline() override {
+        const CurrentDevice here(executor_);
+        pipeline_.reset();
+    }
+    SimtPipeline(const SimtPipeline&) = delete;
+    SimtPipeline& operator=(const SimtPipeline&) = delete;
 
     reference::Image render() override {
         const CurrentDevice here(executor_);
@@ -47,6 +56,23 @@ class SimtPipeline final : public gpu::Pipeline {
 
 }  // namespace
 
+bool checks_memory() {
+#if defined(SCOTTY_CHECKED)
+    return true;
+#else
+    return false;
+#endif
+}
+
+std::optional<WrittenBy> written_by(const void* shown) {
+    const Executor* executor = CurrentDevice::current();
+    if (executor == nullptr || executor->checker() == nullptr) return std::nullopt;
+    const auto writer = executor->checker()->last_writer(shown);
+    if (!writer) return std::nullopt;
+    return WrittenBy{writer->kernel, writer->in_last_launch, writer->block, writer->thread,
+                     emulation::simt::source_line(writer->place)};
+}
+
 std::unique_ptr<gpu::Pipeline> make_simt_pipeline(const reference::Scene& scene,
                                                   const reference::WideBvh& bvh,
                                                   const reference::PipelineParameters& parameters,
@@ -62,6 +88,7 @@ std::vector<reference::OwnedBuffer> run_simt_stage(const reference::Scene& scene
                                                    const reference::StageView& stage,
                                                    const SimtOptions& options) {
     Executor executor(options);
+    if (checks_memory()) executor.check_memory();
     const CurrentDevice here(executor);
     CurrentDevice::launch_failure().clear();
     return gpu::simt::run_stage(scene, bvh, parameters, stage);

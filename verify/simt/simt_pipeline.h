@@ -1,7 +1,10 @@
 /// The CUDA pipeline of gpu/, host side and kernels, run on the CPU: one coroutine per CUDA thread.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "emulation/simt/executor.h"
@@ -10,6 +13,21 @@
 namespace scotty::simt {
 
 using emulation::simt::SimtOptions;
+
+/// Whether this program was built to check every load and store of the kernels
+/// (emulation/simt/check/): scotty-checked is, scotty is not.
+bool checks_memory();
+
+/// Who wrote what an observer is being shown.
+struct WrittenBy {
+    std::string kernel;
+    bool in_this_launch;
+    std::uint32_t block, thread;
+    std::string line;  ///< "gpu/intersect.h:107"
+};
+/// By the address in a buffer of the stage that the observer, which calls this, has just been
+/// handed. None where nothing is checked, or no kernel wrote there.
+std::optional<WrittenBy> written_by(const void* shown);
 
 /// As gpu::make_pipeline, with the same text behind it; needs no device. A kernel whose threads do
 /// not meet or that fails is an internal error naming launch, kernel, block and threads.

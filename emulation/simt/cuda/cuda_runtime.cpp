@@ -22,6 +22,12 @@ cudaError_t status() {
     return CurrentDevice::launch_failure().empty() ? cudaSuccess : cudaErrorLaunchFailure;
 }
 
+/// Null where nothing is checked.
+MemoryChecker* current_checker() {
+    const Executor* executor = CurrentDevice::current();
+    return executor == nullptr ? nullptr : executor->checker();
+}
+
 /// The text of the failure that was asked for last.
 std::string& told() {
     static thread_local std::string text;
@@ -68,6 +74,10 @@ cudaError_t cudaMalloc(void** memory, std::size_t bytes) {
     if (status() != cudaSuccess) return status();
     *memory = nullptr;
     if (bytes == 0) return cudaSuccess;
+    if (MemoryChecker* checker = current_checker(); checker != nullptr) {
+        *memory = checker->allocate(bytes);
+        return *memory == nullptr ? cudaErrorMemoryAllocation : cudaSuccess;
+    }
     void* host = ::operator new (bytes, std::align_val_t{256}, std::nothrow);
     if (host == nullptr) return cudaErrorMemoryAllocation;
     std::memset(host, kPoisonByte, bytes);
@@ -76,7 +86,10 @@ cudaError_t cudaMalloc(void** memory, std::size_t bytes) {
 }
 
 cudaError_t cudaFree(void* memory) {
-    ::operator delete (memory, std::align_val_t{256});
+    MemoryChecker* checker = current_checker();
+    if (checker == nullptr || !checker->release(memory)) {
+        ::operator delete (memory, std::align_val_t{256});
+    }
     return status();
 }
 
@@ -84,6 +97,10 @@ cudaError_t cudaMemcpy(void* to, const void* from, std::size_t bytes, cudaMemcpy
     if (status() != cudaSuccess) return status();
     if (bytes != 0 && (to == nullptr || from == nullptr)) return cudaErrorInvalidValue;
     if (bytes != 0) std::memcpy(to, from, bytes);
+    if (MemoryChecker* checker = current_checker(); checker != nullptr) {
+        checker->note_upload(to, bytes);
+        checker->note_download(to, from, bytes);
+    }
     return cudaSuccess;
 }
 
@@ -96,6 +113,9 @@ cudaError_t cudaMemset(void* memory, int value, std::size_t bytes) {
     if (status() != cudaSuccess) return status();
     if (bytes != 0 && memory == nullptr) return cudaErrorInvalidValue;
     if (bytes != 0) std::memset(memory, value, bytes);
+    if (MemoryChecker* checker = current_checker(); checker != nullptr) {
+        checker->note_upload(memory, bytes);
+    }
     return cudaSuccess;
 }
 

@@ -1,0 +1,28 @@
+#include "emulation/simt/check/mapped_memory.h"
+
+#include <sys/mman.h>
+
+#include <cerrno>
+#include <cstring>
+#include <string>
+
+#include "reference/error.h"
+
+namespace scotty::emulation::simt {
+
+MappedMemory::MappedMemory(std::size_t bytes, const char* purpose) : bytes_(bytes) {
+    void* mapped = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
+                          MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (mapped == MAP_FAILED) {
+        throw reference::Error::missing_environment(
+            "--check: " + std::to_string(bytes >> 30) + " GiB of address space for " + purpose +
+            " refused (" + std::strerror(errno) +
+            "); little of it is ever used: lift the limit (ulimit -v, vm.overcommit_memory)");
+    }
+    ::madvise(mapped, bytes, MADV_DONTDUMP);
+    data_ = static_cast<std::byte*>(mapped);
+}
+
+MappedMemory::~MappedMemory() { ::munmap(data_, bytes_); }
+
+}  // namespace scotty::emulation::simt

@@ -1,0 +1,23 @@
+/// Address space that costs memory only where it is touched.
+#pragma once
+
+#include <cstddef>
+
+namespace scotty::emulation::simt {
+
+class MappedMemory {
+ public:
+    /// Zeros. Throws missing_environment, saying what for, where the system refuses.
+    MappedMemory(std::size_t bytes, const char* purpose);
+    ~MappedMemory();
+    MappedMemory(const MappedMemory&) = delete;
+    MappedMemory& operator=(const MappedMemory&) = delete;
+
+    std::byte* data() const { return data_; }
+
+ private:
+    std::byte* data_;
+    std::size_t bytes_;
+};
+
+}  // namespace scotty::emulation::simt

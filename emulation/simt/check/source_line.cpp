@@ -1,0 +1,125 @@
+#include "emulation/simt/check/source_line.h"
+
+#include <link.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string_view>
+
+namespace scotty::emulation::simt {
+
+namespace {
+
+struct Program {
+    std::uintptr_t base = 0;
+    std::uintptr_t end = 0;
+};
+
+/// The first object that the loader names is the program itself.
+Program find_program() {
+    Program program;
+    ::dl_iterate_phdr(
+        [](dl_phdr_info* info, std::size_t, void* found) {
+            auto& out = *static_cast<Program*>(found);
+            out.base = info->dlpi_addr;
+            for (int i = 0; i < info->dlpi_phnum; ++i) {
+                const auto& part = info->dlpi_phdr[i];
+                const std::uintptr_t end = info->dlpi_addr + part.p_vaddr + part.p_memsz;
+                if (part.p_type == PT_LOAD && end > out.end) out.end = end;
+            }
+            return 1;
+        },
+        &program);
+    return program;
+}
+
+std::string output_of(const std::string& command) {
+    const std::unique_ptr<FILE, int (*)(FILE*)> pipe(::popen(command.c_str(), "r"), ::pclose);
+    std::string text;
+    if (pipe == nullptr) return text;
+    std::array<char, 4096> piece{};
+    while (const std::size_t got = std::fread(piece.data(), 1, piece.size(), pipe.get())) {
+        text.append(piece.data(), got);
+    }
+    return text;
+}
+
+bool is_kernel_text(std::string_view line) {
+    return line.find("gpu/") != std::string_view::npos ||
+           line.find("tests/") != std::string_view::npos;
+}
+
+/// addr2line prints the address and then a line for each inlined call, innermost first.
+std::map<std::uint32_t, std::string> parse(const std::string& text) {
+    std::map<std::uint32_t, std::string> lines;
+    std::uint32_t offset = 0;
+    std::size_t at = 0;
+    while (at < text.size()) {
+        const std::size_t end = std::min(text.find('\n', at), text.size());
+        std::string line = text.substr(at, end - at);
+        at = end + 1;
+        if (line.starts_with("0x")) {
+            offset = static_cast<std::uint32_t>(std::stoul(line, nullptr, 16));
+            continue;
+        }
+        if (const std::size_t extra = line.find(" (discriminator"); extra != std::string::npos) {
+            line.resize(extra);
+        }
+        if (line.starts_with("?")) continue;
+        line = std::filesystem::path(line).lexically_normal().string();
+        std::string& known = lines[offset];
+        if (known.empty() || (!is_kernel_text(known) && is_kernel_text(line))) known = line;
+    }
+    return lines;
+}
+
+}  // namespace
+
+std::uint32_t offset_in_program(const void* place) {
+    static const Program program = find_program();
+    const auto at = reinterpret_cast<std::uintptr_t>(place);
+    if (at < program.base || at >= program.end) return 0;
+    return static_cast<std::uint32_t>(at - program.base);
+}
+
+std::vector<std::string> source_lines(const std::vector<std::uint32_t>& offsets) {
+    static std::mutex mutex;
+    static std::map<std::uint32_t, std::string> known;
+    const std::scoped_lock lock(mutex);
+    std::string command;
+    for (const std::uint32_t offset : offsets) {
+        // One back: a return address is behind the call.
+        if (offset != 0 && !known.contains(offset)) {
+            char text[16];
+            std::snprintf(text, sizeof text, " 0x%x", offset - 1);
+            command += text;
+        }
+    }
+    if (!command.empty()) {
+        const std::string program = "/proc/" + std::to_string(::getpid()) + "/exe";
+        for (auto& [offset, line] :
+             parse(output_of("addr2line -a -i -e " + program + command + " 2>/dev/null"))) {
+            known[offset + 1] = std::move(line);
+        }
+    }
+    std::vector<std::string> lines;
+    for (const std::uint32_t offset : offsets) {
+        std::string& line = known[offset];
+        if (line.empty()) {
+            char text[32];
+            std::snprintf(text, sizeof text, "scotty+0x%x", offset);
+            line = text;
+        }
+        lines.push_back(line);
+    }
+    return lines;
+}
+
+std::string source_line(std::uint32_t offset) { return source_lines({offset}).front(); }
+
+}  // namespace scotty::emulation::simt

@@ -1,0 +1,37 @@
+#include "verify/checked_program.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "reference/error.h"
+#include "verify/simt/simt_pipeline.h"
+
+namespace scotty::verify {
+
+void become_checked_program() {
+    if (simt::checks_memory()) return;
+    // As the system has them: a command line may hold anything but a zero.
+    std::ifstream file("/proc/self/cmdline", std::ios::binary);
+    std::vector<std::string> words;
+    for (std::string word; std::getline(file, word, '\0');) words.push_back(word);
+    std::error_code error;
+    const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
+    const std::string program = (self.parent_path() / "scotty-checked").string();
+    if (!error && !words.empty()) {
+        std::vector<char*> arguments;
+        for (std::string& word : words) arguments.push_back(word.data());
+        arguments.push_back(nullptr);
+        ::execv(program.c_str(), arguments.data());
+    }
+    throw reference::Error::missing_environment(
+        "--check: " + program + " cannot be started (" + std::strerror(errno) +
+        "); it is built beside scotty, but not by a sanitizer preset");
+}
+
+}  // namespace scotty::verify
