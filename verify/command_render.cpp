@@ -78,7 +78,7 @@ Image render(const RenderOptions& options, reference::Scene scene) {
 /// judge it by a golden image's noise.
 void write(const RenderOptions& options, const Image& image) {
     const reference::PipelineParameters& p = options.parameters;
-    const bool filtered = options.backend != "embree" && p.filter != reference::Filter::none &&
+    const bool filtered = options.backend.name != "embree" && p.filter != reference::Filter::none &&
                           p.spp < p.filter_threshold;
     if (std::filesystem::path(options.output).extension() != ".exr" || filtered) {
         write_image(image, options.output, options.exposure);

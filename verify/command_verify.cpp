@@ -16,6 +16,7 @@
 #include "verify/progress.h"
 #include "verify/report.h"
 #include "verify/verify.h"
+#include "verify/verify_golden.h"
 
 namespace scotty::verify {
 namespace {
@@ -26,7 +27,18 @@ struct VerifyOptions {
     BackendChoice backend;
     std::string json, junit, html, folder;
     bool require_gpu = false;
+    bool no_golden = false;
+    bool only_golden = false;
+    std::string golden;
     std::string command_line;
+
+    /// The golden files are of whole scenes: not asked where some configurations or stages are. The
+    /// exact tier would take minutes for what its comparison with the emulator says bit by bit.
+    bool asks_golden() const {
+        if (only_golden) return true;
+        return !no_golden && backend.name != "simt" && !settings.filter.restricts() &&
+               settings.stage_pattern.empty();
+    }
 };
 
 /// "-" is standard output; then nothing else is printed there.
@@ -45,8 +57,32 @@ void write_reports(const VerifyOptions& options, const Report& report) {
     print_result(options.json == "-" ? to_json(report).dump(2) : table(report));
 }
 
+void judge_golden_files(const VerifyOptions& options, Report& report) {
+    Progress progress;
+    GoldenSettings golden;
+    golden.folder = options.golden;
+    golden.scenes = options.scenes;
+    golden.threads = options.settings.threads;
+    golden.progress = [&](const std::string& name, std::size_t done, std::size_t total) {
+        progress.show(fmt::format("golden image {} of {}: {}", done + 1, total, name));
+    };
+    const auto device = Configuration{options.settings.parameters}.device(options.settings.threads);
+    verify_golden(golden, backend_named(options.backend.name, device), report);
+    progress.clear();
+    if (options.only_golden && report.images.empty() && report.golden_failures.empty()) {
+        throw reference::Error::bad_input(
+            "--only-golden",
+            "none of these scenes has a golden image; scotty golden check says "
+            "which there are");
+    }
+    if (report.images.empty()) return;
+    spdlog::info("golden images: {}, false alarms of all of them together: {:g}",
+                 report.images.size(), report.false_alarm);
+}
+
 /// A pattern that no stage's name matches has verified nothing.
 bool matched_nothing(const VerifyOptions& options, const Report& report) {
+    if (options.only_golden) return false;
     if (options.settings.stage_pattern.empty()) return report.scenes.empty();
     return std::all_of(report.scenes.begin(), report.scenes.end(), [](const SceneReport& scene) {
         return std::all_of(scene.configurations.begin(), scene.configurations.end(),
@@ -79,7 +115,7 @@ int run_verify(VerifyOptions& options) {
                          : static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
     report.backend = options.settings.backend;
     report.command = options.command_line;
-    for (std::size_t i = 0; i < loaded.size(); ++i) {
+    for (std::size_t i = 0; i < loaded.size() && !options.only_golden; ++i) {
         for (const std::string& warning : loaded[i].warnings) {
             spdlog::warn("{}: {}", options.scenes[i], warning);
         }
@@ -96,6 +132,7 @@ int run_verify(VerifyOptions& options) {
                      scene.configurations.size(), scene.rays(), scene.seconds,
                      scene.passed() ? "passed" : "FAILED");
     }
+    if (options.asks_golden()) judge_golden_files(options, report);
     report.seconds = seconds();
     if (matched_nothing(options, report)) {
         throw reference::Error::bad_input(
@@ -131,7 +168,8 @@ void add_verify_command(CLI::App& app, Action& action, const std::string& comman
         "Checked are invariants after every launch; the hits of every traversal against brute\n"
         "force (bit for bit) and Embree (differences adjudicated); every configuration against "
         "the\n"
-        "baseline (bit for bit); the image against the same paths through Embree.");
+        "baseline (bit for bit); the image against the same paths through Embree; image and stage\n"
+        "ledger of the built-in scenes against golden ones (docs/golden.md).");
     auto options = std::make_shared<VerifyOptions>();
     options->command_line = command_line;
     options->settings.parameters = default_verify_parameters();
@@ -164,6 +202,15 @@ void add_verify_command(CLI::App& app, Action& action, const std::string& comman
                      "ray-triangle tests a scene for brute force; a subset of the rays beyond it")
         ->type_name("TESTS")
         ->capture_default_str();
+    auto* no_golden = command->add_flag("--no-golden", options->no_golden,
+                                        "leave out golden images and ledgers (they are left out, "
+                                        "too, where configurations or stages are selected)");
+    command
+        ->add_flag("--only-golden", options->only_golden,
+                   "nothing but golden images and ledgers (docs/golden.md)")
+        ->excludes(no_golden);
+    command->add_option("--golden", options->golden, "the folder of golden files")
+        ->type_name("DIR");
     add_thread_option(*command, options->settings.threads);
     add_picture_options(*command, options->settings.parameters);
     add_filter_options(*command, options->settings.filter);

@@ -43,6 +43,12 @@ struct ConfigurationFilter {
     std::vector<std::uint32_t> batch_rays;
     std::vector<Schedule> schedule;
     bool all = false;  ///< every combination of what is not restricted, too
+
+    bool restricts() const {
+        return !(widths.empty() && rays_per_block.empty() && early_out.empty() &&
+                 hit_mode.empty() && block_order.empty() && shadow_query.empty() &&
+                 hit_capacity.empty() && batch_rays.empty() && schedule.empty());
+    }
 };
 
 /// What all others are compared with: nothing is culled, every hit is kept, plain order.

@@ -34,20 +34,24 @@ GoldenVerdict judge_golden(const std::filesystem::path& golden, const GoldenCase
     verdict.device = backend.name;
     verdict.ledger = compare_ledgers(truth.ledger, run.ledger);
     if (!verdict.ledger.passed()) {
-        place("ledger: " + verdict.ledger.sentence,
-              waivers.cover_stage(verdict.name, verdict.ledger.stage, verdict.device), verdict);
+        const Waiver* waiver =
+            waivers.cover_stage(verdict.name, verdict.ledger.stage, verdict.device);
+        verdict.ledger_waived = waiver != nullptr;
+        place("ledger: " + verdict.ledger.sentence, waiver, verdict);
     }
-    if (!run.image.reconstruction_fault.empty()) {
-        verdict.faults.push_back(run.image.reconstruction_fault);
+    verdict.reconstruction_fault = run.image.reconstruction_fault;
+    if (!verdict.reconstruction_fault.empty()) {
+        verdict.faults.push_back(verdict.reconstruction_fault);
     }
     verdict.image =
         judge_image(run.image.image, truth.image,
                     {.false_alarm = false_alarm, .light_tailed = is_light_tailed(scene)});
-    for (const GateResult& gate : verdict.image.gates) {
+    for (GateResult& gate : verdict.image.gates) {
         if (!gate.ran || gate.passed) continue;
         const std::string gate_name(name(gate.gate));
-        place(fmt::format("image, {} gate: {}", gate_name, gate.text),
-              waivers.cover_gate(verdict.name, gate_name, verdict.device), verdict);
+        const Waiver* waiver = waivers.cover_gate(verdict.name, gate_name, verdict.device);
+        if (waiver != nullptr) gate.waiver = to_string(*waiver);
+        place(fmt::format("image, {} gate: {}", gate_name, gate.text), waiver, verdict);
     }
     verdict.found = std::move(run.image.image);
     verdict.golden = std::move(truth.image);

@@ -37,6 +37,8 @@ struct GoldenVerdict {
     std::string device;       ///< the back end
     LedgerComparison ledger;  ///< exact
     ImageVerdict image;       ///< statistical
+    bool ledger_waived = false;
+    std::string reconstruction_fault;  ///< see PipelineImage
     MeasuredImage found, golden;
     std::vector<std::string> faults;  ///< one sentence each: what failed and is not waived
     std::vector<std::string> waived;  ///< what failed and is, with the waiver

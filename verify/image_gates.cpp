@@ -304,9 +304,8 @@ double false_alarm_per_image(double run, std::uint64_t images) { return sidak(ru
 bool ImageVerdict::passed() const { return first_failure() == nullptr; }
 
 const GateResult* ImageVerdict::first_failure() const {
-    const auto failed = std::find_if(gates.begin(), gates.end(), [](const GateResult& result) {
-        return result.ran && !result.passed;
-    });
+    const auto failed = std::find_if(gates.begin(), gates.end(),
+                                     [](const GateResult& result) { return result.failed(); });
     return failed == gates.end() ? nullptr : &*failed;
 }
 

@@ -42,7 +42,10 @@ struct GateResult {
     /// The region that the statistic belongs to, in pixels.
     std::uint32_t x = 0, y = 0, width = 0, height = 0;
     std::uint32_t channel = 0;
-    std::string text;  ///< one sentence, with the place and both values
+    std::string text;    ///< one sentence, with the place and both values
+    std::string waiver;  ///< a failure that is let pass for a while: by what (verify/waivers.h)
+
+    bool failed() const { return ran && !passed && waiver.empty(); }
 };
 
 /// What each of `images` images may have, for a run to have `run` altogether (Sidak).
@@ -67,7 +70,7 @@ struct ImageVerdict {
     std::vector<GateResult> gates;
     ImageMetrics metrics;
     std::vector<WorstPixel> worst;            ///< worst first, at most 10
-    bool passed() const;                      ///< every gate that ran
+    bool passed() const;                      ///< every gate that ran, or it is waived
     const GateResult* first_failure() const;  ///< null where none
 };
 

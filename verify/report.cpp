@@ -34,10 +34,11 @@ bool SceneReport::passed() const {
 }
 
 bool Report::passed() const {
-    return std::all_of(scenes.begin(), scenes.end(),
+    return golden_failures.empty() &&
+           std::all_of(scenes.begin(), scenes.end(),
                        [](const SceneReport& scene) { return scene.passed(); }) &&
            std::all_of(images.begin(), images.end(),
-                       [](const ImageCase& image) { return image.verdict.passed(); });
+                       [](const ImageCase& image) { return image.passed(); });
 }
 
 std::vector<PlacedFailure> placed_failures(const Report& report) {
@@ -61,6 +62,9 @@ std::vector<PlacedFailure> placed_failures(const Report& report) {
         }
         add("oracles on the baseline", baseline, scene.hits.failures);
         add("oracles on the baseline", baseline, scene.image.failures);
+    }
+    for (const Failure& failure : report.golden_failures) {
+        placed.push_back({failure.stage, "golden files", failure, "scotty golden check", ""});
     }
     for (const ImageCase& image : report.images) {
         for (const Failure& failure : failures_of(image)) {
@@ -108,7 +112,10 @@ std::string image_table(const std::vector<ImageCase>& images) {
                    gate == nullptr ? "-" : name(gate->gate), of_gate(&GateResult::statistic),
                    of_gate(&GateResult::p_value), of_gate(&GateResult::threshold),
                    in_short(image.verdict.metrics.flip), in_short(image.verdict.metrics.rel_mse),
-                   image.verdict.passed() ? "passed" : "FAILED");
+                   image.passed() ? "passed" : "FAILED");
+        for (const std::string& waived : image.waived) {
+            out += fmt::format("  {}: let pass: {}\n", image.name, waived);
+        }
     }
     return out;
 }
@@ -271,6 +278,7 @@ nlohmann::json to_json(const Report& report) {
             {"seconds", report.seconds},
             {"failures", failures},
             {"scenes", scenes},
+            {"false_alarm", report.false_alarm},
             {"images", images}};
 }
 

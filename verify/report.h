@@ -60,6 +60,11 @@ struct Report {
     std::string command;  ///< as given
     std::vector<SceneReport> scenes;
     std::vector<ImageCase> images;  ///< against their golden images
+    /// What is wrong with the golden files themselves: missing, stale, corrupted, waivers that have
+    /// expired. `stage` names the case.
+    std::vector<Failure> golden_failures;
+    /// Probability that all these images together fail though nothing is wrong.
+    double false_alarm = 0.0;
     double seconds = 0.0;
 
     bool passed() const;

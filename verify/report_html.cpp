@@ -239,7 +239,7 @@ std::string runs_part(const Report& report) {
 
 std::string image_data(const Report& report) {
     nlohmann::json data = nlohmann::json::array();
-    const auto passed = [](const ImageCase& image) { return image.verdict.passed(); };
+    const auto passed = [](const ImageCase& image) { return image.passed(); };
     for (const ImageCase* image : failed_first(report.images, passed)) {
         data.push_back(page_data(*image));
     }

@@ -32,6 +32,7 @@ nlohmann::json to_json(const GateResult& gate) {
             {"width", gate.width},
             {"height", gate.height},
             {"channel", gate.channel},
+            {"waiver", gate.waiver},
             {"text", gate.text}};
 }
 
@@ -59,9 +60,9 @@ struct EncodedPlane {
 }  // namespace
 
 std::vector<Failure> failures_of(const ImageCase& image) {
-    std::vector<Failure> failures;
+    std::vector<Failure> failures = image.exact;
     for (const GateResult& gate : image.verdict.gates) {
-        if (!gate.ran || gate.passed) continue;
+        if (!gate.failed()) continue;
         Failure failure;
         failure.invariant = fmt::format("image-{}", name(gate.gate));
         failure.stage = image.name + " against its golden image";
@@ -84,7 +85,8 @@ nlohmann::json to_json(const ImageCase& image) {
     }
     const ImageMetrics& metrics = image.verdict.metrics;
     return {{"name", image.name},
-            {"passed", image.verdict.passed()},
+            {"passed", image.passed()},
+            {"waived", image.waived},
             {"width", image.image.width},
             {"height", image.image.height},
             {"samples", image.image.samples},

@@ -15,14 +15,20 @@ struct ImageCase {
     std::string name;
     MeasuredImage image, golden;
     ImageVerdict verdict;
+    /// What was compared exactly beside the image, and failed: the stage ledger, and whether the
+    /// picture is the mean of its paths.
+    std::vector<Failure> exact;
+    std::vector<std::string> waived;  ///< failures that are let pass, with the waiver
     /// The signed statistic of each pixel and channel, by the rule that the verdict was found by:
     /// the page shows statistics and works out none. Empty where noise is not known.
     std::vector<Color> z;
     std::string replay;   ///< command that renders and judges this case alone
     std::string approve;  ///< command that makes the new image the golden one
+
+    bool passed() const { return exact.empty() && verdict.passed(); }
 };
 
-/// A gate that failed, as one more failure of the report: "[image-tile] ...".
+/// What failed exactly, then each gate that did, as failures of the report: "[image-tile] ...".
 std::vector<Failure> failures_of(const ImageCase& image);
 
 /// The verdict without the pixels. A number that is not finite is the string "NaN", "Infinity" or

@@ -34,9 +34,8 @@ struct Suite {
     }
 
     void add(const ImageCase& image, const GateResult& gate) {
-        const bool failed = gate.ran && !gate.passed;
         std::vector<Failure> found;
-        if (failed) {
+        if (gate.failed()) {
             for (const Failure& one : failures_of(image)) {
                 if (one.invariant == fmt::format("image-{}", name(gate.gate))) found.push_back(one);
             }
@@ -93,10 +92,12 @@ std::string to_junit(const Report& report) {
         }
         suite.finish(scene.seconds);
     }
-    if (!report.images.empty()) {
+    if (!report.images.empty() || !report.golden_failures.empty()) {
         Suite suite{root.append_child("testsuite")};
         suite.node.append_attribute("name") = "golden images";
+        suite.add("golden files", 0.0, report.golden_failures, "scotty golden check");
         for (const ImageCase& image : report.images) {
+            suite.add(image.name + ": exact", 0.0, image.exact, image.replay);
             for (const GateResult& gate : image.verdict.gates) suite.add(image, gate);
         }
         suite.finish(0.0);

@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "tests/verify/capture_tools.h"
+#include "tests/verify/golden_tools.h"
 #include "verify/golden_judge.h"
 #include "verify/golden_proposal.h"
 
@@ -50,23 +50,6 @@ struct Store {
     }
 };
 
-/// The emulator, but every path's radiance is `factor` times what it should be.
-Backend brighter(float factor) {
-    Backend backend = backend_named("emulator", 0);
-    backend.render = [factor, render = backend.render](const PipelineInput& input,
-                                                       reference::StageObserver* observer) {
-        StageCopies stages;
-        reference::Image image = render(input, &stages);
-        StageCopy& last = stages.at("reconstruct_image");
-        for (float& value : last.input<float>("radiance")) value *= factor;
-        for (float& value : last.output<float>("image")) value *= factor;
-        for (reference::Vec3& pixel : image.pixels) pixel *= factor;
-        stages.show_to(*observer);
-        return image;
-    };
-    return backend;
-}
-
 }  // namespace
 
 TEST_CASE("golden judge: the emulator passes, by its ledger and its image", "[verify][golden]") {
@@ -81,7 +64,7 @@ TEST_CASE("golden judge: the emulator passes, by its ledger and its image", "[ve
 
 TEST_CASE("golden judge: a wrong picture fails by stage, buffer and gate", "[verify][golden]") {
     const Store store;
-    const GoldenVerdict verdict = store.judge(brighter(1.5f));
+    const GoldenVerdict verdict = store.judge(with_light_scaled(1.5f));
     CHECK_FALSE(verdict.passed());
     CHECK(verdict.ledger.stage == "reconstruct_image");
     CHECK(verdict.ledger.buffer == "image");
@@ -99,14 +82,14 @@ TEST_CASE("golden judge: a waiver lets pass what it names, and only that", "[ver
         waivers.push_back({"box", gate, "", "emulator", "known", "2020-12-31"});
     }
     WaiverBook book(waivers, "2020-01-01");
-    const GoldenVerdict verdict = store.judge(brighter(1.5f), book);
+    const GoldenVerdict verdict = store.judge(with_light_scaled(1.5f), book);
     CHECK(verdict.passed());
     CHECK(verdict.waived.size() >= 2);
     CHECK_THAT(verdict.waived[0], Contains("known"));
     CHECK(book.unused({"box"}, "emulator").front().gate == "finite");
 
     WaiverBook expired({ledger}, "2021-01-01");
-    CHECK_FALSE(store.judge(brighter(1.5f), expired).passed());
+    CHECK_FALSE(store.judge(with_light_scaled(1.5f), expired).passed());
 }
 
 TEST_CASE("golden judge: missing, stale and corrupted golden files are no pass",

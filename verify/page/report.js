@@ -96,12 +96,12 @@ class Viewer {
 
   fillVerdict() {
     const rows = this.one.gates.flatMap((gate) => {
-      const failed = gate.ran && !gate.passed;
+      const failed = gate.ran && !gate.passed && !gate.waiver;
       const statistical = gate.ran && ['global', 'tile', 'pixel'].includes(gate.gate);
       const cell = (value) => element('td', { textContent: statistical ? short(number(value)) : '' });
       const row = element('tr', {}, element('th', { scope: 'row' }, this.gateName(gate)), cell(gate.statistic),
         cell(gate.p_value), cell(gate.threshold),
-        element('td', { className: failed ? 'fault' : '', textContent: !gate.ran ? 'not asked' : failed ? 'failed' : 'passed' }));
+        element('td', { className: failed ? 'fault' : '', textContent: !gate.ran ? 'not asked' : failed ? 'failed' : gate.waiver ? 'waived' : 'passed' }));
       if (gate.text === '') return [row];
       return [row, element('tr', { className: 'why' }, element('td', { colSpan: 5, className: failed ? 'fault' : '', textContent: gate.text }))];
     });
