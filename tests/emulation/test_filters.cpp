@@ -51,9 +51,11 @@ const Vec3& at(const Image& image, int x, int y) {
 const std::vector<std::array<std::uint32_t, 2>> kSizes{{1, 1}, {1, 7}, {7, 1},
                                                        {2, 2}, {3, 3}, {17, 5}};
 
-/// Weighted mean over 5 x 5 in double; `weight(dx, dy, value, centre)`.
+/// How far a filter is, at most, from the weighted mean over 5 x 5 in double, as a share of it;
+/// `weight(dx, dy, value, centre)`.
 template <class Weight>
-void check_weighted(Kernel filter, Weight&& weight) {
+double distance_from_mean(Kernel filter, Weight&& weight) {
+    double largest = 0.0;
     for (const auto& [width, height] : kSizes) {
         const Image image = noise(width, height, width);
         const Image got = filtered(image, filter);
@@ -71,11 +73,24 @@ void check_weighted(Kernel filter, Weight&& weight) {
                 }
                 for (int c = 0; c < 3; ++c) {
                     const double expected = sums[static_cast<std::size_t>(c)] / sums[3];
-                    REQUIRE(at(got, x, y)[c] == Approx(expected).epsilon(2e-6));
+                    largest = std::max(largest, std::abs(at(got, x, y)[c] - expected) / expected);
                 }
             }
         }
     }
+    return largest;
+}
+constexpr double kRounding = 2e-6;
+
+double gaussian_weight(int dx, int dy, const Vec3&, const Vec3&) {
+    return std::exp(-0.5 * (dx * dx + dy * dy));
+}
+
+/// A planted fault: every pixel is its right neighbour's.
+template <Kernel Filter>
+void off_by_one(std::uint32_t pixel, const FilterView& view) {
+    Filter((pixel + 1) % (view.width * view.height), view);
+    view.filtered[pixel] = view.filtered[(pixel + 1) % (view.width * view.height)];
 }
 
 }  // namespace
@@ -127,9 +142,18 @@ TEST_CASE("filter: median of nine for every order of few distinct values", "[emu
 }
 
 TEST_CASE("filter: Gaussian equals a normalised reference in double", "[emulation][filter]") {
-    check_weighted(filter_gaussian, [](int dx, int dy, const Vec3&, const Vec3&) {
-        return std::exp(-0.5 * (dx * dx + dy * dy));
-    });
+    CHECK(distance_from_mean(filter_gaussian, gaussian_weight) < kRounding);
+}
+
+TEST_CASE("filter: a filter off by one, and weights a percent too wide, are seen",
+          "[emulation][filter]") {
+    CHECK(distance_from_mean(off_by_one<filter_gaussian>, gaussian_weight) > 0.05);
+    CHECK(distance_from_mean(filter_gaussian, [](int dx, int dy, const Vec3&, const Vec3&) {
+              return std::exp(-0.5 * (dx * dx + dy * dy) / (1.01 * 1.01));
+          }) > 100 * kRounding);
+    const Image image = noise(17, 5, 5);
+    CHECK(filtered(image, off_by_one<filter_median>).pixels !=
+          filtered(image, filter_median).pixels);
 }
 
 TEST_CASE("filter: Gaussian is centred and keeps the sum of an inner pixel",
@@ -149,12 +173,17 @@ TEST_CASE("filter: Gaussian is centred and keeps the sum of an inner pixel",
 }
 
 TEST_CASE("filter: bilateral equals a reference in double", "[emulation][filter]") {
-    check_weighted(filter_bilateral, [](int dx, int dy, const Vec3& value, const Vec3& centre) {
-        double range = 0.0;
-        for (int c = 0; c < 3; ++c) range += std::pow(double{value[c]} - centre[c], 2);
-        const double sigma = 0.25 * std::max({centre.x, centre.y, centre.z}) + 0.02;
-        return std::exp(-0.5 * (dx * dx + dy * dy + range / (sigma * sigma)));
-    });
+    const auto weight = [](double sharper) {
+        return [sharper](int dx, int dy, const Vec3& value, const Vec3& centre) {
+            double range = 0.0;
+            for (int c = 0; c < 3; ++c) range += std::pow(double{value[c]} - centre[c], 2);
+            const double sigma = 0.25 * std::max({centre.x, centre.y, centre.z}) + 0.02;
+            return std::exp(-0.5 * (dx * dx + dy * dy + sharper * range / (sigma * sigma)));
+        };
+    };
+    CHECK(distance_from_mean(filter_bilateral, weight(1.0)) < kRounding);
+    CHECK(distance_from_mean(filter_bilateral, weight(1.02)) > 100 * kRounding);
+    CHECK(distance_from_mean(off_by_one<filter_bilateral>, weight(1.0)) > 0.05);
 }
 
 TEST_CASE("filter: bilateral keeps an edge that Gaussian blurs", "[emulation][filter]") {

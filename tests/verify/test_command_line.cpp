@@ -108,7 +108,7 @@ TEST_CASE("golden check: fails and names what is missing, as clean JSON too", "[
     const Folder folder;
     std::ofstream(folder.file("manifest.json"))
         << R"({"format": "cuda-scotty-golden", "version": 1, "cases": []})";
-    const std::string golden = " --golden '" + folder.path.string() + "'";
+    const std::string golden = " --golden '" + folder.path().string() + "'";
     const Result text = scotty_here("golden check" + golden);
     CHECK(text.exit_code == 1);
     CHECK_THAT(text.out, Contains("missing") && Contains("scotty golden propose coil"));

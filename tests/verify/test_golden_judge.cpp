@@ -4,6 +4,7 @@
 #include <functional>
 #include <string>
 
+#include "tests/verify/capture_tools.h"
 #include "tests/verify/golden_tools.h"
 #include "verify/golden_judge.h"
 #include "verify/golden_proposal.h"
