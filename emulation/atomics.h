@@ -43,4 +43,12 @@ inline float load_relaxed(const float& source) {
     return std::atomic_ref<float>(const_cast<float&>(source)).load(std::memory_order_relaxed);
 }
 
+inline std::uint64_t load_relaxed(const std::uint64_t& source) {
+    return std::atomic_ref<std::uint64_t>(const_cast<std::uint64_t&>(source))
+        .load(std::memory_order_relaxed);
+}
+inline void store_relaxed(std::uint64_t& target, std::uint64_t value) {
+    std::atomic_ref<std::uint64_t>(target).store(value, std::memory_order_relaxed);
+}
+
 }  // namespace scotty::emulation

@@ -124,6 +124,13 @@ SCOTTY_DEVICE void atomic_min_distance(float* target, float value) {
 SCOTTY_DEVICE float load_relaxed(const float* source) {
     return *static_cast<const volatile float*>(source);
 }
+SCOTTY_DEVICE std::uint64_t load_relaxed(const std::uint64_t* source) {
+    return *static_cast<const volatile std::uint64_t*>(source);
+}
+/// A write that others may read at the same time: they see the word before or after, whole.
+SCOTTY_DEVICE void store_relaxed(std::uint64_t* target, std::uint64_t value) {
+    *static_cast<volatile std::uint64_t*>(target) = value;
+}
 SCOTTY_DEVICE std::uint32_t float_bits(float value) { return __float_as_uint(value); }
 SCOTTY_DEVICE float bits_float(std::uint32_t bits) { return __uint_as_float(bits); }
 

@@ -88,6 +88,12 @@ class StageRun {
         return array;
     }
     template <class T>
+    Array<T> zeros(std::size_t count, const char* name) {
+        Array<T> array = empty<T>(count, name);
+        check(cudaMemset(array.data(), 0, count * sizeof(T)), name);
+        return array;
+    }
+    template <class T>
     void output(const char* name, const Array<T>& array, const char* meaning) {
         check(cudaDeviceSynchronize(), "running " + stage_.name);
         buffers_.output(name, download(array.data(), array.size(), name), meaning);
@@ -115,8 +121,7 @@ class StageRun {
     }
     const Array<FaultView>& faults() {
         if (!faults_.memory) {
-            faults_ = empty<FaultView>(1, "fault flags");
-            check(cudaMemset(faults_.data(), 0, sizeof(FaultView)), "clearing fault flags");
+            faults_ = zeros<FaultView>(1, "fault flags");
         }
         return faults_;
     }
@@ -232,7 +237,11 @@ void StageRun::scan() {
     view.block_offsets = block_offsets.data();
     view.child_offsets = child_offsets.data();
     view.faults = faults().data();
-    SCOTTY_LAUNCH(scan_counts, 2, kScanThreads, nullptr, view,
+    const std::uint32_t blocks = scan_blocks(nodes.count, nodes.child_count);
+    const auto tiles = zeros<std::uint64_t>(1 + blocks, "scan tiles");
+    view.scan_ticket = reinterpret_cast<std::uint32_t*>(tiles.data());
+    view.scan_tiles = tiles.data() + 1;
+    SCOTTY_LAUNCH(scan_counts, blocks, kScanThreads, nullptr, view,
                   static_cast<std::uint32_t>(parameters_.rays_per_block));
     launched();
     output("block_offsets", block_offsets, "first block by node");
@@ -277,6 +286,8 @@ void StageRun::level() {
                          child_counts.data(),
                          child_offsets.data(),
                          child_queue.data(),
+                         nullptr,
+                         nullptr,
                          faults().data()};
     const std::uint32_t blocks = std::min(kLevelBlocks, in.block_offsets.back());
     switch (bvh_.width) {

@@ -61,6 +61,7 @@ Traversal::Traversal(const DeviceScene& scene, const reference::PipelineParamete
       node_counts_(budget),
       queue_offsets_(budget),
       block_offsets_(budget),
+      scans_(budget),
       queue_(budget),
       child_queue_(budget),
       hit_counts_(budget),
@@ -68,7 +69,16 @@ Traversal::Traversal(const DeviceScene& scene, const reference::PipelineParamete
       packed_(budget),
       minimum_(budget),
       lowered_(budget),
-      faults_(budget) {}
+      faults_(budget) {
+    scan_begins_.push_back(0);
+    for (std::uint32_t level = 0; level < scene.level_count(); ++level) {
+        scan_begins_.push_back(scan_begins_.back() + 1 + scan_blocks_of(level));
+    }
+}
+
+std::uint32_t Traversal::scan_blocks_of(std::uint32_t level) const {
+    return scan_blocks(scene_.level_nodes(level), scene_.level_nodes(level + 1));
+}
 
 void Traversal::release() {
     for (auto* buffer : {&queue_, &child_queue_, &hit_counts_}) buffer->release();
@@ -114,6 +124,7 @@ void Traversal::prepare(std::uint32_t count) {
     node_counts_.resize(nodes, "queue lengths");
     queue_offsets_.resize(offsets, "queue offsets");
     block_offsets_.resize(offsets, "block offsets");
+    scans_.resize(scan_begins_.back(), "scan tiles");
     faults_.resize(1, "fault flags");
     queue_capacity_ = std::max(queue_capacity_, 2 * static_cast<std::size_t>(count) *
                                                     static_cast<std::size_t>(scene_.width()));
@@ -132,6 +143,7 @@ void Traversal::prepare(std::uint32_t count) {
 void Traversal::clear(const StagePlace& place) {
     check(cudaMemsetAsync(node_counts_.data(), 0, node_counts_.size() * 4, stream_),
           "clearing queue lengths");
+    check(cudaMemsetAsync(scans_.data(), 0, scans_.size() * 8, stream_), "clearing scan tiles");
     check(cudaMemsetAsync(faults_.data(), 0, sizeof(FaultView), stream_), "clearing fault flags");
     check(cudaMemcpyAsync(node_counts_.data(), &count_, 4, cudaMemcpyHostToDevice, stream_),
           "setting the root's queue length");
@@ -143,8 +155,9 @@ void Traversal::clear(const StagePlace& place) {
 
 bool Traversal::launch_level(const StagePlace& place) {
     const LevelView level = level_view(place.level);
-    log_.run(StageKind::scan_counts, place, 2, level.node_count, stream_, [&] {
-        SCOTTY_LAUNCH(scan_counts, 2, kScanThreads, stream_, level,
+    const std::uint32_t tiles = scan_blocks_of(place.level);
+    log_.run(StageKind::scan_counts, place, tiles, level.node_count, stream_, [&] {
+        SCOTTY_LAUNCH(scan_counts, tiles, kScanThreads, stream_, level,
                       static_cast<std::uint32_t>(parameters_.rays_per_block));
     });
     if (log_.observed() && overflowed()) return false;
@@ -251,6 +264,8 @@ LevelView Traversal::level_view(std::uint32_t level) const {
             node_counts_.data() + next,
             queue_offsets_.data() + next + level + 1,
             child_queue_.data(),
+            reinterpret_cast<std::uint32_t*>(scans_.data() + scan_begins_[level]),
+            scans_.data() + scan_begins_[level] + 1,
             faults_.data()};
 }
 

@@ -53,6 +53,7 @@ class Traversal {
     void show_publish(const reference::StagePlace& place);
     void show_merge(const reference::StagePlace& place, const reference::Hit* merged);
 
+    std::uint32_t scan_blocks_of(std::uint32_t level) const;
     LevelView level_view(std::uint32_t level) const;
     HitView hit_view() const;
     MinimumView minimum_view() const;
@@ -73,6 +74,9 @@ class Traversal {
     DeviceMemory<std::uint32_t> node_counts_;    ///< by node id
     DeviceMemory<std::uint32_t> queue_offsets_;  ///< by node id + level: levels end with a total
     DeviceMemory<std::uint32_t> block_offsets_;  ///< the same
+    /// For scan_counts, by level: a word for the ticket, then one a tile.
+    DeviceMemory<std::uint64_t> scans_;
+    std::vector<std::size_t> scan_begins_;  ///< by level, in scans_
     DeviceMemory<std::uint32_t> queue_, child_queue_;
     DeviceMemory<std::uint32_t> hit_counts_;
     DeviceMemory<reference::HitCandidate> candidates_;

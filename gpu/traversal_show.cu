@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "gpu/dialect.h"
+#include "gpu/scan_counts.h"
 #include "gpu/traversal.h"
 
 namespace SCOTTY_DEVICE_NAMESPACE {
@@ -32,7 +33,8 @@ void Traversal::show_scan(const StagePlace& place, const LevelView& level) {
     const auto blocks = download(level.block_offsets, level.node_count + 1, "block_offsets");
     const auto children =
         download(level.child_offsets, level.child_node_count + 1, "child_offsets");
-    StageView stage = log_.stage(StageKind::scan_counts, place, 2, 1024);
+    StageView stage =
+        log_.stage(StageKind::scan_counts, place, scan_blocks_of(place.level), kScanThreads);
     stage.inputs = {
         buffer_view("node_counts", std::span<const std::uint32_t>(counts), "queue length by node")};
     stage.outputs = {

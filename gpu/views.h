@@ -76,6 +76,9 @@ struct LevelView {
     std::uint32_t* child_counts;
     std::uint32_t* child_offsets;
     std::uint32_t* child_queue;
+    // Of scan_counts, zeros before it.
+    std::uint32_t* scan_ticket;
+    std::uint64_t* scan_tiles;
     FaultView* faults;
 };
 

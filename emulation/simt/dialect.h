@@ -98,6 +98,12 @@ SCOTTY_DEVICE void atomic_min_distance(float* target, float value) {
     emulation::atomic_min_distance(*target, value);
 }
 SCOTTY_DEVICE float load_relaxed(const float* source) { return emulation::load_relaxed(*source); }
+SCOTTY_DEVICE std::uint64_t load_relaxed(const std::uint64_t* source) {
+    return emulation::load_relaxed(*source);
+}
+SCOTTY_DEVICE void store_relaxed(std::uint64_t* target, std::uint64_t value) {
+    emulation::store_relaxed(*target, value);
+}
 SCOTTY_DEVICE std::uint32_t float_bits(float value) { return std::bit_cast<std::uint32_t>(value); }
 SCOTTY_DEVICE float bits_float(std::uint32_t bits) { return std::bit_cast<float>(bits); }
 

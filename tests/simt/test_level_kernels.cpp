@@ -36,7 +36,14 @@ template <int Width>
 struct Level : OneLevel<Width> {
     Level(const Words& queue_lengths, std::uint32_t seed) : OneLevel<Width>(queue_lengths, seed) {}
 
+    std::vector<std::uint64_t> tiles;
+
+    std::uint32_t scan_blocks() const {
+        return simt::scan_blocks(static_cast<std::uint32_t>(this->inner.size()),
+                                 static_cast<std::uint32_t>(this->parents.size()));
+    }
     LevelView cuda_view(FaultView& faults) {
+        tiles.assign(1 + scan_blocks(), 0);
         return {1,
                 static_cast<std::uint32_t>(this->inner.size()),
                 this->first_child(),
@@ -50,6 +57,8 @@ struct Level : OneLevel<Width> {
                 this->child_counts.data(),
                 this->child_offsets.data(),
                 this->child_queue.data(),
+                reinterpret_cast<std::uint32_t*>(tiles.data()),
+                tiles.data() + 1,
                 &faults};
     }
 
@@ -62,8 +71,8 @@ struct Level : OneLevel<Width> {
         const Words expected_children =
             std::exchange(this->child_offsets, Words(this->child_offsets.size(), kPoison));
         FaultView faults{};
-        executor.launch("scan_counts", 2, simt::kScanThreads, simt::scan_counts, cuda_view(faults),
-                        threads);
+        executor.launch("scan_counts", scan_blocks(), simt::kScanThreads, simt::scan_counts,
+                        cuda_view(faults), threads);
         CHECK(this->block_offsets == expected_blocks);
         CHECK(this->child_offsets == expected_children);
         const simt::BvhView<Width> bvh{this->inner.data(), nullptr, nullptr,
@@ -109,7 +118,7 @@ void check_width() {
 }
 
 TEST_CASE("scan_counts: any number of nodes, against a straight loop", "[simt][kernels]") {
-    for (const std::uint32_t nodes : {1u, 2u, 31u, 1023u, 1024u, 1025u, 5000u}) {
+    for (const std::uint32_t nodes : {1u, 2u, 31u, 1023u, 1024u, 1025u, 40000u}) {
         for (const SimtOptions& options : every_order()) {
             scotty::reference::test::Random random(nodes);
             Words counts(nodes);
@@ -129,22 +138,25 @@ TEST_CASE("scan_counts: any number of nodes, against a straight loop", "[simt][k
             level.block_offsets = blocks.data();
             level.child_offsets = children.data();
             level.faults = &faults;
-            Executor(options).launch("scan_counts", 2, simt::kScanThreads, simt::scan_counts, level,
-                                     64u);
-            std::uint32_t sum = 0;
+            const std::uint32_t tiles = simt::scan_blocks(level.node_count, level.child_node_count);
+            std::vector<std::uint64_t> scan(1 + tiles, 0);
+            level.scan_ticket = reinterpret_cast<std::uint32_t*>(scan.data());
+            level.scan_tiles = scan.data() + 1;
+            Executor(options).launch("scan_counts", tiles, simt::kScanThreads, simt::scan_counts,
+                                     level, 64u);
+            Words expected{0};
             for (std::uint32_t i = 0; i < nodes; ++i) {
-                CHECK(blocks[i] == sum);
-                sum += (counts[i] + 63) / 64;
+                expected.push_back(expected.back() + (counts[i] + 63) / 64);
             }
-            CHECK(blocks[nodes] == sum);
-            sum = 0;
-            for (std::size_t i = 0; i < parents.size(); ++i) {
-                CHECK(children[i] == sum);
-                sum += counts[parents[i]];
+            expected.push_back(kPoison);  // behind the total nothing is written
+            CHECK(blocks == expected);
+            std::uint32_t sum = 0;
+            expected = {0};
+            for (const std::uint32_t parent : parents) {
+                expected.push_back(sum += counts[parent]);
             }
-            CHECK(children[parents.size()] == sum);
-            CHECK(blocks.back() == kPoison);
-            CHECK(children.back() == kPoison);
+            expected.push_back(kPoison);
+            CHECK(children == expected);
             CHECK(faults.queue_needed == (sum > 1000 ? sum : 0));
         }
     }
