@@ -31,6 +31,11 @@ enum class StageKind {
     filter
 };
 const char* to_string(StageKind kind);
+/// One of the launches that a traversal makes for every level.
+inline bool is_of_traversal(StageKind kind) {
+    return kind == StageKind::scan_counts || kind == StageKind::intersect_root ||
+           kind == StageKind::intersect || kind == StageKind::publish_minimum;
+}
 
 enum class ElementType { uint8, uint32, uint64, float32 };
 

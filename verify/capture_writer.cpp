@@ -46,11 +46,6 @@ bool is_capture(const fs::path& directory) {
     }
 }
 
-bool is_of_traversal(StageKind kind) {
-    return kind == StageKind::scan_counts || kind == StageKind::intersect_root ||
-           kind == StageKind::intersect || kind == StageKind::publish_minimum;
-}
-
 }  // namespace
 
 ReplacedDirectory::ReplacedDirectory(const fs::path& target)

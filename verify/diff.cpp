@@ -24,11 +24,6 @@ using reference::StageView;
 
 namespace {
 
-bool is_of_traversal(StageKind kind) {
-    return kind == StageKind::scan_counts || kind == StageKind::intersect_root ||
-           kind == StageKind::intersect || kind == StageKind::publish_minimum;
-}
-
 /// Under `immediate` what is queued and gathered depends on when other blocks lower a minimum; the
 /// rays themselves and what comes of them do not.
 bool depends_on_timing(const PipelineParameters& p, const StageView& stage,

@@ -39,9 +39,9 @@ std::string difference(const nlohmann::json& found, const nlohmann::json& expect
     return "it has settings that are no more";
 }
 
-class Check {
+class FolderCheck {
  public:
-    Check(const fs::path& golden, const std::vector<GoldenCase>& cases)
+    FolderCheck(const fs::path& golden, const std::vector<GoldenCase>& cases)
         : golden_(golden), cases_(cases), manifest_(read_manifest(golden)) {}
 
     std::vector<GoldenFinding> run(const Date& day) {
@@ -147,7 +147,7 @@ class Check {
 
 std::vector<GoldenFinding> check_golden(const fs::path& golden,
                                         const std::vector<GoldenCase>& cases, const Date& today) {
-    return Check(golden, cases).run(today);
+    return FolderCheck(golden, cases).run(today);
 }
 
 }  // namespace scotty::verify

@@ -1,10 +1,10 @@
 /// The verdict on an image as text and as JSON.
 #include <fmt/format.h>
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "verify/image_diff.h"
+#include "verify/image_json.h"
 
 namespace scotty::verify {
 
@@ -54,14 +54,6 @@ std::string worst_table(const ImageDiff& diff) {
     return out;
 }
 
-ordered_json number(double value) {
-    return std::isfinite(value) ? ordered_json(value) : ordered_json(fmt::format("{}", value));
-}
-
-ordered_json to_json(const Color& color) {
-    return {number(color[0]), number(color[1]), number(color[2])};
-}
-
 ordered_json to_json(const std::string& path, const ReadImage& read) {
     const MeasuredImage& image = read.image;
     return {{"path", path},
@@ -72,21 +64,6 @@ ordered_json to_json(const std::string& path, const ReadImage& read) {
             {"paths_per_sample", image.paths_per_sample},
             {"variances", !image.variance.empty()},
             {"attributes", read.attributes}};
-}
-
-ordered_json to_json(const GateResult& result) {
-    return {{"gate", name(result.gate)},
-            {"ran", result.ran},
-            {"passed", result.ran ? ordered_json(result.passed) : ordered_json(nullptr)},
-            {"statistic", number(result.statistic)},
-            {"p_value", number(result.p_value)},
-            {"threshold", number(result.threshold)},
-            {"x", result.x},
-            {"y", result.y},
-            {"width", result.width},
-            {"height", result.height},
-            {"channel", result.channel},
-            {"text", result.text}};
 }
 
 }  // namespace
@@ -117,34 +94,17 @@ std::string to_text(const ImageDiff& diff) {
 }
 
 ordered_json to_json(const ImageDiff& diff) {
-    ordered_json gates = ordered_json::array();
-    for (const GateResult& result : diff.verdict.gates) gates.push_back(to_json(result));
-    ordered_json worst = ordered_json::array();
-    for (const WorstPixel& pixel : diff.verdict.worst) {
-        worst.push_back({{"x", pixel.x},
-                         {"y", pixel.y},
-                         {"z", number(pixel.z)},
-                         {"ulps", number(pixel.ulps)},
-                         {"image", to_json(pixel.image)},
-                         {"golden", to_json(pixel.golden)}});
-    }
-    const ImageMetrics& m = diff.verdict.metrics;
     const auto& tolerance = diff.settings.tolerance;
-    return {{"passed", diff.verdict.passed()},
-            {"basis", to_string(diff.basis)},
-            {"note", diff.note},
-            {"false_alarm", diff.settings.gates.false_alarm},
-            {"light_tailed", diff.settings.gates.light_tailed},
-            {"tolerance", tolerance ? ordered_json(*tolerance) : ordered_json(nullptr)},
-            {"image", to_json(diff.image_path, diff.image)},
-            {"golden", to_json(diff.golden_path, diff.golden)},
-            {"gates", gates},
-            {"metrics",
-             {{"flip", number(m.flip)},
-              {"rel_mse", number(m.rel_mse)},
-              {"psnr", number(m.psnr)},
-              {"max_ulps", number(m.max_ulps)}}},
-            {"worst", worst}};
+    ordered_json out = {{"passed", diff.verdict.passed()},
+                        {"basis", to_string(diff.basis)},
+                        {"note", diff.note},
+                        {"false_alarm", diff.settings.gates.false_alarm},
+                        {"light_tailed", diff.settings.gates.light_tailed},
+                        {"tolerance", tolerance ? ordered_json(*tolerance) : ordered_json(nullptr)},
+                        {"image", to_json(diff.image_path, diff.image)},
+                        {"golden", to_json(diff.golden_path, diff.golden)}};
+    out.update(to_json(diff.verdict));
+    return out;
 }
 
 }  // namespace scotty::verify

@@ -4,37 +4,12 @@
 #include <fmt/format.h>
 
 #include <bit>
-#include <cmath>
 #include <nlohmann/json.hpp>
+
+#include "verify/image_json.h"
 
 namespace scotty::verify {
 namespace {
-
-nlohmann::json json_number(double value) {
-    if (std::isfinite(value)) return value;
-    if (std::isnan(value)) return "NaN";
-    return value > 0.0 ? "Infinity" : "-Infinity";
-}
-
-nlohmann::json json_color(const Color& color) {
-    return {json_number(color[0]), json_number(color[1]), json_number(color[2])};
-}
-
-nlohmann::json to_json(const GateResult& gate) {
-    return {{"gate", name(gate.gate)},
-            {"ran", gate.ran},
-            {"passed", gate.passed},
-            {"statistic", json_number(gate.statistic)},
-            {"p_value", json_number(gate.p_value)},
-            {"threshold", json_number(gate.threshold)},
-            {"x", gate.x},
-            {"y", gate.y},
-            {"width", gate.width},
-            {"height", gate.height},
-            {"channel", gate.channel},
-            {"waiver", gate.waiver},
-            {"text", gate.text}};
-}
 
 /// A plane of pixels as bytes: little-endian whatever this machine is.
 struct EncodedPlane {
@@ -73,33 +48,17 @@ std::vector<Failure> failures_of(const ImageCase& image) {
 }
 
 nlohmann::json to_json(const ImageCase& image) {
-    nlohmann::json gates = nlohmann::json::array();
-    for (const GateResult& gate : image.verdict.gates) gates.push_back(to_json(gate));
-    nlohmann::json worst = nlohmann::json::array();
-    for (const WorstPixel& pixel : image.verdict.worst) {
-        worst.push_back({{"x", pixel.x},
-                         {"y", pixel.y},
-                         {"z", json_number(pixel.z)},
-                         {"image", json_color(pixel.image)},
-                         {"golden", json_color(pixel.golden)}});
-    }
-    const ImageMetrics& metrics = image.verdict.metrics;
-    return {{"name", image.name},
-            {"passed", image.passed()},
-            {"waived", image.waived},
-            {"width", image.image.width},
-            {"height", image.image.height},
-            {"samples", image.image.samples},
-            {"golden_samples", image.golden.samples},
-            {"gates", gates},
-            {"not_judged_by",
-             {{"flip", json_number(metrics.flip)},
-              {"rel_mse", json_number(metrics.rel_mse)},
-              {"psnr", json_number(metrics.psnr)},
-              {"max_ulps", json_number(metrics.max_ulps)}}},
-            {"worst", worst},
-            {"replay", image.replay},
-            {"approve", image.approve}};
+    nlohmann::json out = {{"name", image.name},
+                          {"passed", image.passed()},
+                          {"waived", image.waived},
+                          {"width", image.image.width},
+                          {"height", image.image.height},
+                          {"samples", image.image.samples},
+                          {"golden_samples", image.golden.samples},
+                          {"replay", image.replay},
+                          {"approve", image.approve}};
+    out.update(to_json(image.verdict));
+    return out;
 }
 
 nlohmann::json page_data(const ImageCase& image) {

@@ -19,7 +19,7 @@ using reference::Error;
 
 namespace {
 
-constexpr const char* kFormat = "cuda-scotty-waivers";
+constexpr const char* kWaiverFormat = "cuda-scotty-waivers";
 constexpr int kVersion = 1;
 constexpr const char* kAnyDevice = "*";
 
@@ -81,9 +81,9 @@ std::vector<Waiver> read_waivers(const std::filesystem::path& golden) {
     const std::filesystem::path file = golden / "waivers.json";
     std::error_code ignored;
     if (!std::filesystem::exists(file, ignored)) return {};
-    const nlohmann::json json = read_json(file);
-    expect_format(file, json, kFormat, kVersion);
-    const nlohmann::json& list = member(file.string(), json, "waivers");
+    const nlohmann::json document = read_json(file);
+    expect_format(file, document, kWaiverFormat, kVersion);
+    const nlohmann::json& list = member(file.string(), document, "waivers");
     if (!list.is_array()) throw Error::bad_input(file.string(), "'waivers': expected a list");
     std::vector<Waiver> waivers;
     for (const nlohmann::json& object : list) {

@@ -89,8 +89,8 @@ TEST_CASE("scotty diff: a fault exits with 1 and says by which gate and where",
 TEST_CASE("scotty diff: numbers that are not finite leave the JSON clean", "[verify][image][cli]") {
     const Pair pair(ImageFault::not_a_number);
     const auto verdict = nlohmann::json::parse(pair.diff("--json").out);
-    CHECK(verdict["metrics"]["flip"] == "nan");
-    CHECK(verdict["metrics"]["max_ulps"] == "inf");
+    CHECK(verdict["not_judged_by"]["flip"] == "NaN");
+    CHECK(verdict["not_judged_by"]["max_ulps"] == "Infinity");
     CHECK(verdict["worst"][0]["image"][1] == "nan");
 }
 

@@ -1,0 +1,16 @@
+/// An image's verdict as JSON, the same wherever it is shown.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "verify/image_gates.h"
+
+namespace scotty::verify {
+
+/// A number that is not finite is the string "NaN", "Infinity" or "-Infinity": JSON has none.
+nlohmann::ordered_json json_number(double value);
+
+/// {"gates": [...], "not_judged_by": {...}, "worst": [...]}
+nlohmann::ordered_json to_json(const ImageVerdict& verdict);
+
+}  // namespace scotty::verify
