@@ -52,10 +52,10 @@ const StageRecord& Queues::launch(std::uint32_t number) const {
 
 std::uint32_t Queues::level_of(std::uint32_t node) const {
     if (node >= bvh_.node_count()) {
-        throw Error::bad_input(who(capture_), fmt::format("there is no node {}; the tree has nodes "
-                                                          "0 to {} in {} levels",
-                                                          node, bvh_.node_count() - 1,
-                                                          bvh_.level_count()));
+        throw Error::bad_input(who(capture_),
+                               fmt::format("there is no node {}; the tree has nodes "
+                                           "0 to {} in {} levels",
+                                           node, bvh_.node_count() - 1, bvh_.level_count()));
     }
     const auto& begins = bvh_.level_begins;
     const auto after = std::upper_bound(begins.begin(), begins.end(), node);
@@ -226,9 +226,9 @@ std::vector<Entry> Queues::entries(const StageRecord& stage, std::uint32_t node)
 const PartialStage* Queues::primary_rays(std::uint32_t batch) const {
     if (batch >= batches_) return nullptr;
     if (!origins_[batch]) {
-        const StageRecord* stage = capture_.find(reference::stage_name(
-            StageKind::primary_rays, batch, kNotApplicable, kNotApplicable, kNotApplicable,
-            capture_.header().several_batches));
+        const StageRecord* stage = capture_.find(
+            reference::stage_name(StageKind::primary_rays, batch, kNotApplicable, kNotApplicable,
+                                  kNotApplicable, capture_.header().several_batches));
         origins_[batch] = stage == nullptr ? PartialStage{} : some_of(*stage, {"pixel", "sample"});
     }
     return &*origins_[batch];

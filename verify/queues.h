@@ -25,9 +25,9 @@ namespace scotty::verify {
 /// One launch of a level kernel in numbers.
 struct LevelTotals {
     std::uint32_t nodes = 0;
-    std::uint32_t with_work = 0;  ///< nodes whose queue is not empty
-    std::uint64_t entries = 0;    ///< of all queues that the launch reads
-    std::uint32_t longest = 0;    ///< the longest queue
+    std::uint32_t with_work = 0;                    ///< nodes whose queue is not empty
+    std::uint64_t entries = 0;                      ///< of all queues that the launch reads
+    std::uint32_t longest = 0;                      ///< the longest queue
     std::uint32_t longest_node = reference::kNone;  ///< the first that is as long
     std::uint32_t blocks = 0;                       ///< that have rays
     std::uint64_t pushed = 0;                       ///< entries of the next level's queues

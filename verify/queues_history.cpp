@@ -161,10 +161,10 @@ class Historian {
         for (std::uint32_t level = next; level < stage.level; ++level) {
             for (RayHistory& history : out_) {
                 traversal_of(history, stage)
-                    .gaps.push_back(stage_name(
-                        level == 0 ? StageKind::intersect_root : StageKind::intersect, stage.batch,
-                        stage.bounce, stage.light, level,
-                        queues_.capture().header().several_batches));
+                    .gaps.push_back(
+                        stage_name(level == 0 ? StageKind::intersect_root : StageKind::intersect,
+                                   stage.batch, stage.bounce, stage.light, level,
+                                   queues_.capture().header().several_batches));
             }
         }
         next = stage.level + 1;
@@ -245,10 +245,9 @@ class Historian {
                 std::uint64_t& before = packed_.emplace(key, kNoPacked).first->second;
                 if (word && *word != before) {
                     before = *word;
-                    fresh.push_back(
-                        {0,
-                         {std::bit_cast<float>(static_cast<std::uint32_t>(*word >> 32)),
-                          static_cast<std::uint32_t>(*word)}});
+                    fresh.push_back({0,
+                                     {std::bit_cast<float>(static_cast<std::uint32_t>(*word >> 32)),
+                                      static_cast<std::uint32_t>(*word)}});
                 }
             } else {
                 std::uint32_t& before = gathered_[key];
@@ -336,9 +335,8 @@ class Historian {
 
     void add_light(const StageRecord& stage) {
         const bool resolve = stage.kind == StageKind::resolve_light;
-        const PartialStage part =
-            resolve ? queues_.some_of(stage, {"radiance"})
-                    : queues_.some_of(stage, {"shadow_rays", "potential"});
+        const PartialStage part = resolve ? queues_.some_of(stage, {"radiance"})
+                                          : queues_.some_of(stage, {"shadow_rays", "potential"});
         for (RayHistory& history : out_) {
             LightHistory& light = light_of(history, stage);
             if (resolve) {
@@ -367,10 +365,9 @@ class Historian {
         for (RayHistory& history : out_) {
             history.radiance = at(part.get<Vec3>("radiance"), history.ray);
             if (!history.from) continue;
-            history.pixel = at(part.get<Vec3>("image"),
-                               std::size_t{history.from->pixel_y} *
-                                       queues_.parameters().image_width +
-                                   history.from->pixel_x);
+            history.pixel = at(part.get<Vec3>("image"), std::size_t{history.from->pixel_y} *
+                                                                queues_.parameters().image_width +
+                                                            history.from->pixel_x);
         }
     }
 
@@ -405,8 +402,8 @@ std::vector<RayHistory> histories(const Queues& queues, std::uint32_t batch,
                                   const std::vector<std::uint32_t>& rays) {
     const std::string who = queues.capture().directory().string();
     if (batch >= queues.batches()) {
-        throw Error::bad_input(who, fmt::format("there is no batch {}; it holds {}", batch,
-                                                queues.batches()));
+        throw Error::bad_input(
+            who, fmt::format("there is no batch {}; it holds {}", batch, queues.batches()));
     }
     const std::size_t count = ray_count(queues, batch);
     for (const std::uint32_t ray : rays) {

@@ -66,8 +66,8 @@ struct TraversalHistory {
     std::uint32_t bounce = reference::kNotApplicable, light = reference::kNotApplicable;
     std::optional<reference::Ray> ray;
     std::vector<Visit> visits;
-    std::vector<GatheredHit> stray;   ///< buffered hits from no leaf that the ray was in
-    std::vector<std::string> gaps;    ///< launches that were not captured
+    std::vector<GatheredHit> stray;  ///< buffered hits from no leaf that the ray was in
+    std::vector<std::string> gaps;   ///< launches that were not captured
     std::optional<std::uint32_t> merge_launch;
     std::optional<reference::Hit> merged;
     std::uint32_t winner_node = reference::kNone;  ///< the leaf of the hit that won
@@ -86,8 +86,8 @@ struct BounceHistory {
     std::uint32_t bounce = 0;
     TraversalHistory traversal;
     std::vector<LightHistory> lights;
-    std::optional<std::uint32_t> flags;       ///< after scene_rays: reference::kPathAlive ...
-    std::optional<reference::Ray> next;       ///< dead where the path ended
+    std::optional<std::uint32_t> flags;  ///< after scene_rays: reference::kPathAlive ...
+    std::optional<reference::Ray> next;  ///< dead where the path ended
     std::optional<reference::Vec3> throughput;
     std::optional<reference::Vec3> radiance;  ///< of the path, after scene_rays
 };

@@ -57,9 +57,9 @@ std::string leaf_text(const Visit& visit) {
 }
 
 void tell(std::string& text, const Visit& visit) {
-    text += fmt::format("    level {} node {}{}: entry {}, block {} thread {}", visit.level,
-                        visit.node, visit.leaf ? " (leaf)" : "", visit.position, visit.block,
-                        visit.thread);
+    text +=
+        fmt::format("    level {} node {}{}: entry {}, block {} thread {}", visit.level, visit.node,
+                    visit.leaf ? " (leaf)" : "", visit.position, visit.block, visit.thread);
     if (visit.minimum) text += fmt::format(", minimum {}", exact(*visit.minimum));
     text += fmt::format("  [launch {}]\n", visit.launch);
     if (visit.leaf) {
@@ -107,7 +107,8 @@ void tell(std::string& text, const LightHistory& light, std::uint32_t bounce) {
     text += "\n";
     tell(text, light.traversal);
     if (light.traversal.merged) {
-        text += is_hit(*light.traversal.merged) ? "    the light is hidden" : "    the light is free";
+        text +=
+            is_hit(*light.traversal.merged) ? "    the light is hidden" : "    the light is free";
         if (light.radiance) text += ": the path has " + exact(*light.radiance);
         text += "\n";
     }
@@ -142,8 +143,8 @@ std::string outcome_text(const std::optional<Visit>& visit) {
     std::string text;
     for (const ChildVisit& child : visit->children) {
         if (child.outcome == Outcome::missed) continue;
-        text += fmt::format("{}{} {}", text.empty() ? "" : "; ", to_string(child.outcome),
-                            child.node);
+        text +=
+            fmt::format("{}{} {}", text.empty() ? "" : "; ", to_string(child.outcome), child.node);
     }
     return text.empty() ? "missed all children" : text;
 }

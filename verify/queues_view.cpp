@@ -46,9 +46,9 @@ std::string range_text(const std::vector<std::uint32_t>& ids,
 
 const std::vector<std::string>& entry_columns() {
     static const std::vector<std::string> columns{
-        "position", "block",       "thread",      "ray",         "pixel_x", "pixel_y", "sample",
-        "origin.x", "origin.y",    "origin.z",    "direction.x", "direction.y", "direction.z",
-        "t_min",    "t_max",       "minimum"};
+        "position",    "block",    "thread",   "ray",      "pixel_x",     "pixel_y",
+        "sample",      "origin.x", "origin.y", "origin.z", "direction.x", "direction.y",
+        "direction.z", "t_min",    "t_max",    "minimum"};
     return columns;
 }
 
@@ -86,8 +86,8 @@ std::string to_text(const Table& table, std::size_t limit) {
     const auto line = [&](const auto& cell, std::size_t r) {
         std::string out;
         for (std::size_t c = 0; c < widths.size(); ++c) {
-            const bool left = !table.rows.empty() && r < table.rows.size() &&
-                              table.rows[r][c].is_string();
+            const bool left =
+                !table.rows.empty() && r < table.rows.size() && table.rows[r][c].is_string();
             out += left ? fmt::format("{:<{}}", cell(c), widths[c])
                         : fmt::format("{:>{}}", cell(c), widths[c]);
             if (c + 1 < widths.size()) out += "  ";
@@ -137,8 +137,8 @@ Table launch_table(const std::string& title, const std::vector<LaunchRow>& rows)
                 {"launch", "stage", "level", "nodes", "with_work", "entries", "longest", "at_node",
                  "blocks", "pushed"},
                 {}};
-    const bool verdicts = std::any_of(rows.begin(), rows.end(),
-                                      [](const LaunchRow& row) { return row.verdict || row.missing; });
+    const bool verdicts = std::any_of(
+        rows.begin(), rows.end(), [](const LaunchRow& row) { return row.verdict || row.missing; });
     if (verdicts) table.columns.emplace_back("verdict");
     for (const LaunchRow& launch : rows) {
         Row row{launch.stage->launch, launch.stage->name, id(launch.stage->level)};
