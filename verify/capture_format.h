@@ -104,6 +104,8 @@ std::string text_member(const std::string& where, const nlohmann::json& object, 
 /// 16 hexadecimal digits.
 std::uint64_t hex_member(const std::string& where, const nlohmann::json& object, const char* name);
 
+/// The kernels that read one level's queues and write the next's: intersect_root and intersect.
+bool is_level_kernel(reference::StageKind kind);
 /// Every stage kind, in declaration order.
 const std::vector<reference::StageKind>& all_stage_kinds();
 

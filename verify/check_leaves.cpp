@@ -9,8 +9,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "reference/intersect_triangle.h"
 #include "verify/check_state.h"
+#include "verify/expected.h"
 
 namespace scotty::verify {
 
@@ -26,22 +26,6 @@ struct LeafHit {
     float t;
     bool required;
 };
-
-/// Closest hit of one ray in one leaf, by testing all its triangles.
-HitCandidate closest_in_leaf(const WideBvh& bvh, const Leaf& leaf, const Ray& ray) {
-    HitCandidate best{kInfinity, kNone};
-    const Vec3 inverse = safe_inverse(ray.direction);
-    const RayShear shear = ray_shear(ray.direction);
-    for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i) {
-        const LeafTriangle& triangle = bvh.triangles[i];
-        Hit hit = no_hit();
-        if (intersect_triangle(ray, inverse, shear, triangle.v0, triangle.v1, triangle.v2, hit) &&
-            closer(hit.t, triangle.primitive, best.t, best.primitive)) {
-            best = {hit.t, triangle.primitive};
-        }
-    }
-    return best;
-}
 
 /// All leaf hits of a launch, sorted by ray; `first[r]` is where ray r's begin.
 struct LeafHits {

@@ -8,73 +8,21 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
-#include <array>
 #include <bit>
 #include <cstdint>
-#include <variant>
 #include <vector>
 
-#include "reference/intersect_box.h"
 #include "verify/check_state.h"
+#include "verify/expected.h"
 
 namespace scotty::verify {
 
-using namespace reference;  // in this file only: records and box tests
+using namespace reference;  // in this file only: records
 
 namespace {
 
-constexpr std::uint32_t kMaxWidth = 16;
 /// A broken kernel breaks thousands of rays: so many failures of one node are written out.
 constexpr std::size_t kFailuresPerNode = 4;
-
-/// A wide node of any width.
-struct NodeBoxes {
-    std::uint32_t width = 0;
-    std::array<Vec3, kMaxWidth> low, high;
-    std::array<std::uint32_t, kMaxWidth> child{};
-    Vec3 node_low, node_high;
-};
-
-NodeBoxes boxes_of(const WideBvh& bvh, std::uint32_t inner_index) {
-    NodeBoxes boxes;
-    std::visit(
-        [&](const auto& nodes) {
-            const auto& node = nodes[inner_index];
-            boxes.width = static_cast<std::uint32_t>(bvh.width);
-            for (std::uint32_t i = 0; i < boxes.width; ++i) {
-                boxes.low[i] = Vec3(node.low_x[i], node.low_y[i], node.low_z[i]);
-                boxes.high[i] = Vec3(node.high_x[i], node.high_y[i], node.high_z[i]);
-                boxes.child[i] = node.child[i];
-            }
-            boxes.node_low = Vec3(node.low[0], node.low[1], node.low[2]);
-            boxes.node_high = Vec3(node.high[0], node.high[1], node.high[2]);
-        },
-        bvh.inner);
-    return boxes;
-}
-
-/// What becomes of one ray in one node. Bit c is child c.
-struct Expected {
-    std::uint32_t overlapped = 0;
-    std::uint32_t required = 0;  ///< of the overlapped ones, those not farther than the limit
-    std::array<float, kMaxWidth> entry{};
-};
-
-Expected expected_of(const NodeBoxes& node, const Ray& ray, float limit) {
-    Expected expected;
-    const RaySlabs slabs = ray_slabs(ray.origin, safe_inverse(ray.direction),
-                                     box_pad(ray.origin, node.node_low, node.node_high));
-    for (std::uint32_t c = 0; c < node.width; ++c) {
-        if (node.child[c] == kNone) continue;
-        const BoxInterval interval =
-            clip(intersect_box(slabs, node.low[c], node.high[c]), ray.t_min, ray.t_max);
-        if (!overlaps(interval)) continue;
-        expected.entry[c] = interval.entry;
-        expected.overlapped |= 1u << c;
-        if (!(interval.entry > limit)) expected.required |= 1u << c;
-    }
-    return expected;
-}
 
 struct Tally {
     std::uint64_t entries = 0, pushes = 0, missed = 0, culled = 0;
@@ -91,7 +39,7 @@ struct Worker {
     std::vector<std::uint32_t> position;
     std::vector<std::uint32_t> pushed;
     std::vector<std::uint8_t> block_seen;
-    std::vector<Expected> expected;
+    std::vector<ExpectedChildren> expected;
     std::vector<Failure> failures;
     std::vector<KeptOutRay> kept_out;
     Tally tally;
@@ -129,7 +77,7 @@ class NodeCheck {
             const std::uint32_t ray = entry(p);
             worker_.position[ray] = p;
             worker_.expected.push_back(
-                expected_of(boxes_, launch_.rays[ray],
+                expected_children(boxes_, launch_.rays[ray],
                             launch_.minimum.empty() ? kInfinity : launch_.minimum[ray]));
         }
         for (std::uint32_t c = 0; c < boxes_.width; ++c) {
@@ -246,7 +194,7 @@ class NodeCheck {
         const bool immediate = launch_.state.parameters.early_out == EarlyOut::immediate;
         std::uint32_t required = 0;
         for (std::uint32_t p = 0; p < worker_.pushed.size(); ++p) {
-            const Expected& expected = worker_.expected[p];
+            const ExpectedChildren& expected = worker_.expected[p];
             required += expected.required >> c & 1u;
             if ((worker_.pushed[p] >> c & 1u) != 0) continue;
             if ((expected.required >> c & 1u) != 0) {
@@ -277,7 +225,7 @@ class NodeCheck {
         std::uint32_t missed = 0;
         std::uint32_t culled = 0;
         for (std::uint32_t p = 0; p < worker_.pushed.size(); ++p) {
-            const Expected& expected = worker_.expected[p];
+            const ExpectedChildren& expected = worker_.expected[p];
             if (worker_.pushed[p] != 0) {
                 ++pushed;
             } else if (expected.overlapped == 0) {

@@ -81,6 +81,7 @@ int run(int argc, char** argv) {
     add_replay_command(app, action);
     add_trace_command(app, action);
     add_golden_command(app, action);
+    add_queues_command(app, action);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

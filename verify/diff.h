@@ -145,6 +145,8 @@ void expect_comparable(const Capture& a, const Capture& b);
 /// Where one of them has no buffers any more (an index travels lighter), by hash: which stage and
 /// buffer part first, but not where in it.
 DiffReport diff_captures(const Capture& a, const Capture& b, DiffOptions options = {});
+/// The same by the indices' hashes alone, whatever else there is: no buffer is read.
+DiffReport diff_by_hash(const Capture& a, const Capture& b, DiffOptions options = {});
 
 /// The report for people: non-finite values, the first divergence, a table by stage kind.
 std::string to_text(const DiffReport& report);

@@ -13,6 +13,23 @@ namespace scotty::verify {
 using reference::Error;
 using reference::PipelineParameters;
 
+namespace {
+
+/// `add` shows the differ one stage of B.
+template <class Add>
+DiffReport diff_stages(const Capture& a, const Capture& b, DiffOptions options, const Add& add) {
+    expect_comparable(a, b);
+    options.b_backend = b.header().backend;
+    options.b_arithmetic = b.header().parameters.arithmetic;
+    Differ differ(a, std::move(options));
+    for (const StageRecord& stage : b.stages()) add(differ, stage);
+    DiffReport report = differ.finish([&](std::string_view stage) { return b.covers(stage); });
+    report.b = b.directory().string();
+    return report;
+}
+
+}  // namespace
+
 void expect_comparable(const Capture& a, const Capture& b) {
     const auto expect = [&](const std::string& what, const std::string& of_a,
                             const std::string& of_b) {
@@ -38,21 +55,16 @@ void expect_comparable(const Capture& a, const Capture& b) {
 }
 
 DiffReport diff_captures(const Capture& a, const Capture& b, DiffOptions options) {
-    expect_comparable(a, b);
-    options.b_backend = b.header().backend;
-    options.b_arithmetic = b.header().parameters.arithmetic;
-    Differ differ(a, std::move(options));
-    const bool by_hash = !a.has_buffers() || !b.has_buffers();
-    for (const StageRecord& stage : b.stages()) {
-        if (by_hash) {
-            differ.add_by_hash(stage);
-        } else {
-            differ.on_stage(b.load(stage).view);
-        }
-    }
-    DiffReport report = differ.finish([&](std::string_view stage) { return b.covers(stage); });
-    report.b = b.directory().string();
-    return report;
+    if (!a.has_buffers() || !b.has_buffers()) return diff_by_hash(a, b, std::move(options));
+    return diff_stages(a, b, std::move(options), [&](Differ& differ, const StageRecord& stage) {
+        differ.on_stage(b.load(stage).view);
+    });
+}
+
+DiffReport diff_by_hash(const Capture& a, const Capture& b, DiffOptions options) {
+    return diff_stages(
+        a, b, std::move(options),
+        [](Differ& differ, const StageRecord& stage) { differ.add_by_hash(stage); });
 }
 
 }  // namespace scotty::verify

@@ -27,10 +27,6 @@ std::optional<std::uint32_t> position_in_queue(const StageView& stage, std::uint
     return static_cast<std::uint32_t>(found - entries.begin());
 }
 
-bool is_level_kernel(StageKind kind) {
-    return kind == StageKind::intersect || kind == StageKind::intersect_root;
-}
-
 }  // namespace
 
 Places::Places(const Capture& capture, const reference::WideBvh* bvh)

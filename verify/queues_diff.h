@@ -1,0 +1,47 @@
+/// Queues of two runs side by side, aligned by ray id.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "verify/queues.h"
+#include "verify/queues_history.h"
+
+namespace scotty::verify {
+
+enum class Change : std::uint8_t {
+    same,
+    moved,    ///< at another position of the queue, which the contract leaves free
+    changed,  ///< what it carries, or what became of it
+    missing,  ///< in B
+    extra     ///< in B
+};
+const char* to_string(Change change);
+
+/// The n-th entry of a ray in A's queue beside the n-th in B's.
+struct EntryPair {
+    std::optional<Entry> a, b;
+    Change change = Change::same;
+    std::string what;  ///< of a changed one: the fields
+};
+/// In A's order; what only B has comes last, in its order.
+std::vector<EntryPair> align(const std::vector<Entry>& a, const std::vector<Entry>& b);
+
+struct NodePair {
+    NodeRow a, b;
+    std::uint64_t moved = 0, changed = 0, missing = 0, extra = 0;
+};
+/// The same launch of two runs, node by node.
+std::vector<NodePair> compare_nodes(const Queues& a, const StageRecord& a_stage, const Queues& b,
+                                    const StageRecord& b_stage);
+
+/// One ray's visit of a node in two runs.
+struct VisitPair {
+    std::optional<Visit> a, b;
+    Change change = Change::same;
+};
+std::vector<VisitPair> align(const TraversalHistory& a, const TraversalHistory& b);
+
+}  // namespace scotty::verify
