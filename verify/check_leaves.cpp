@@ -18,8 +18,6 @@ using namespace reference;  // in this file only: records and triangle tests
 
 namespace {
 
-constexpr std::uint64_t kNoPacked = ~std::uint64_t{0};
-
 /// What a leaf has to append, or under `immediate` may append, to a ray's hits.
 struct LeafHit {
     std::uint32_t ray, primitive, node, block;

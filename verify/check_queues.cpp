@@ -78,7 +78,7 @@ class NodeCheck {
             worker_.position[ray] = p;
             worker_.expected.push_back(
                 expected_children(boxes_, launch_.rays[ray],
-                            launch_.minimum.empty() ? kInfinity : launch_.minimum[ray]));
+                                  launch_.minimum.empty() ? kInfinity : launch_.minimum[ray]));
         }
         for (std::uint32_t c = 0; c < boxes_.width; ++c) {
             if (boxes_.child[c] != kNone) check_child(c);

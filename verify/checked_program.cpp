@@ -25,6 +25,7 @@ void become_checked_program() {
     const std::string program = (self.parent_path() / "scotty-checked").string();
     if (!error && !words.empty()) {
         std::vector<char*> arguments;
+        arguments.reserve(words.size() + 1);
         for (std::string& word : words) arguments.push_back(word.data());
         arguments.push_back(nullptr);
         ::execv(program.c_str(), arguments.data());

@@ -62,9 +62,8 @@ DiffReport diff_captures(const Capture& a, const Capture& b, DiffOptions options
 }
 
 DiffReport diff_by_hash(const Capture& a, const Capture& b, DiffOptions options) {
-    return diff_stages(
-        a, b, std::move(options),
-        [](Differ& differ, const StageRecord& stage) { differ.add_by_hash(stage); });
+    return diff_stages(a, b, std::move(options),
+                       [](Differ& differ, const StageRecord& stage) { differ.add_by_hash(stage); });
 }
 
 }  // namespace scotty::verify

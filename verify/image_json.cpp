@@ -1,6 +1,6 @@
 #include "verify/image_json.h"
 
-#include <cmath>
+#include "verify/json_number.h"
 
 namespace scotty::verify {
 
@@ -29,12 +29,6 @@ ordered_json json_gate(const GateResult& gate) {
 }
 
 }  // namespace
-
-ordered_json json_number(double value) {
-    if (std::isfinite(value)) return value;
-    if (std::isnan(value)) return "NaN";
-    return value > 0.0 ? "Infinity" : "-Infinity";
-}
 
 ordered_json to_json(const ImageVerdict& verdict) {
     ordered_json gates = ordered_json::array();

@@ -7,9 +7,6 @@
 
 namespace scotty::verify {
 
-/// A number that is not finite is the string "NaN", "Infinity" or "-Infinity": JSON has none.
-nlohmann::ordered_json json_number(double value);
-
 /// {"gates": [...], "not_judged_by": {...}, "worst": [...]}
 nlohmann::ordered_json to_json(const ImageVerdict& verdict);
 

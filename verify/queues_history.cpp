@@ -51,8 +51,6 @@ bool is_alive(const std::optional<Ray>& ray) { return ray && !is_dead(*ray); }
 
 namespace {
 
-constexpr std::uint64_t kNoPacked = ~std::uint64_t{0};
-
 template <class T>
 std::optional<T> at(std::span<const T> values, std::size_t index) {
     if (index >= values.size()) return std::nullopt;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "verify/failure.h"
+#include "verify/json_number.h"
 #include "verify/queues_view.h"
 
 namespace scotty::verify {
@@ -157,12 +158,6 @@ void for_each_traversal(const RayHistory& history, const Act& act) {
     }
 }
 
-ordered_json number(const std::optional<float>& value) {
-    if (!value) return nullptr;
-    if (!std::isfinite(*value)) return fmt::format("{}", *value);
-    return static_cast<double>(*value);
-}
-
 }  // namespace
 
 std::string to_text(const RayHistory& history) {
@@ -193,9 +188,10 @@ Table history_table(const std::string& title, const RayHistory& history) {
             const auto row = [&](const char* outcome, std::uint32_t target,
                                  const std::optional<float>& distance) {
                 table.rows.push_back({history.ray, traversal.name, v.launch, v.level, v.node,
-                                      v.position, v.block, v.thread, number(v.minimum), outcome,
+                                      v.position, v.block, v.thread, json_number(v.minimum),
+                                      outcome,
                                       target == kNone ? ordered_json() : ordered_json(target),
-                                      number(distance)});
+                                      json_number(distance)});
             };
             for (const ChildVisit& child : v.children) {
                 row(to_string(child.outcome), child.node, child.entry);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "verify/json_number.h"
+
 namespace scotty::verify {
 
 using nlohmann::ordered_json;
@@ -13,15 +15,8 @@ using reference::kNotApplicable;
 
 namespace {
 
-using Row = std::vector<ordered_json>;
+using Cells = std::vector<ordered_json>;
 
-ordered_json number(float value) {
-    if (std::isfinite(value)) return static_cast<double>(value);
-    return fmt::format("{}", value);  // JSON has no infinity
-}
-ordered_json number(const std::optional<float>& value) {
-    return value ? number(*value) : ordered_json();
-}
 ordered_json id(std::uint32_t value) {
     return value == kNone ? ordered_json() : ordered_json(value);
 }
@@ -33,7 +28,7 @@ std::string cell_text(const ordered_json& cell, const char* nothing) {
     return cell.dump();
 }
 
-void add(Row& row, const Row& more) { row.insert(row.end(), more.begin(), more.end()); }
+void add(Cells& row, const Cells& more) { row.insert(row.end(), more.begin(), more.end()); }
 
 std::string range_text(const std::vector<std::uint32_t>& ids,
                        const std::vector<std::uint32_t>& counts) {
@@ -52,8 +47,8 @@ const std::vector<std::string>& entry_columns() {
     return columns;
 }
 
-Row entry_cells(const Entry& entry) {
-    Row row{entry.position, entry.block, entry.thread, id(entry.ray)};
+Cells entry_cells(const Entry& entry) {
+    Cells row{entry.position, entry.block, entry.thread, id(entry.ray)};
     if (entry.from) {
         add(row, {entry.from->pixel_x, entry.from->pixel_y, entry.from->sample});
     } else {
@@ -61,13 +56,13 @@ Row entry_cells(const Entry& entry) {
     }
     if (entry.record) {
         const reference::Ray& ray = *entry.record;
-        add(row, {number(ray.origin.x), number(ray.origin.y), number(ray.origin.z),
-                  number(ray.direction.x), number(ray.direction.y), number(ray.direction.z),
-                  number(ray.t_min), number(ray.t_max)});
+        add(row, {json_number(ray.origin.x), json_number(ray.origin.y), json_number(ray.origin.z),
+                  json_number(ray.direction.x), json_number(ray.direction.y),
+                  json_number(ray.direction.z), json_number(ray.t_min), json_number(ray.t_max)});
     } else {
         row.resize(row.size() + 8);
     }
-    row.push_back(number(entry.minimum));
+    row.push_back(json_number(entry.minimum));
     return row;
 }
 
@@ -111,7 +106,7 @@ std::string to_csv(const Table& table) {
         text += (c == 0 ? "" : ",") + table.columns[c];
     }
     text += "\n";
-    for (const Row& row : table.rows) {
+    for (const Cells& row : table.rows) {
         for (std::size_t c = 0; c < row.size(); ++c) {
             const std::string cell = cell_text(row[c], "");
             text += c == 0 ? "" : ",";
@@ -124,7 +119,7 @@ std::string to_csv(const Table& table) {
 
 ordered_json to_json(const Table& table) {
     ordered_json rows = ordered_json::array();
-    for (const Row& row : table.rows) {
+    for (const Cells& row : table.rows) {
         ordered_json object;
         for (std::size_t c = 0; c < row.size(); ++c) object[table.columns[c]] = row[c];
         rows.push_back(std::move(object));
@@ -141,7 +136,7 @@ Table launch_table(const std::string& title, const std::vector<LaunchRow>& rows)
         rows.begin(), rows.end(), [](const LaunchRow& row) { return row.verdict || row.missing; });
     if (verdicts) table.columns.emplace_back("verdict");
     for (const LaunchRow& launch : rows) {
-        Row row{launch.stage->launch, launch.stage->name, id(launch.stage->level)};
+        Cells row{launch.stage->launch, launch.stage->name, id(launch.stage->level)};
         if (launch.totals) {
             const LevelTotals& t = *launch.totals;
             add(row, {t.nodes, t.with_work, t.entries, t.longest, id(t.longest_node), t.blocks,
@@ -193,8 +188,8 @@ Table entry_table(const std::string& title, const std::vector<EntryPair>& rows) 
     Table table{title, {"change", "what", "position_b"}, {}};
     table.columns.insert(table.columns.end(), entry_columns().begin(), entry_columns().end());
     for (const EntryPair& pair : rows) {
-        Row row{to_string(pair.change), pair.what,
-                pair.b ? ordered_json(pair.b->position) : ordered_json()};
+        Cells row{to_string(pair.change), pair.what,
+                  pair.b ? ordered_json(pair.b->position) : ordered_json()};
         add(row, entry_cells(pair.a ? *pair.a : *pair.b));
         if (!pair.a) row[3] = nullptr;  // the position is A's
         table.rows.push_back(std::move(row));

@@ -77,6 +77,7 @@ void verify_golden(const GoldenSettings& settings, const Backend& backend, Repor
     };
     report.false_alarm = settings.false_alarm;
     std::vector<std::string> names;
+    names.reserve(cases.size());
     for (const GoldenCase& one : cases) names.push_back(one.name);
     try {
         const std::filesystem::path folder =

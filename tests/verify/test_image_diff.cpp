@@ -91,7 +91,7 @@ TEST_CASE("scotty diff: numbers that are not finite leave the JSON clean", "[ver
     const auto verdict = nlohmann::json::parse(pair.diff("--json").out);
     CHECK(verdict["not_judged_by"]["flip"] == "NaN");
     CHECK(verdict["not_judged_by"]["max_ulps"] == "Infinity");
-    CHECK(verdict["worst"][0]["image"][1] == "nan");
+    CHECK(verdict["worst"][0]["image"][1] == "NaN");
 }
 
 TEST_CASE("scotty diff: an image that does not know its noise is never passed for that",

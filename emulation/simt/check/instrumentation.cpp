@@ -25,8 +25,8 @@ inline void note(Access access, const void* address, std::size_t bytes, const vo
 
 }  // namespace
 
-// NOLINTBEGIN(bugprone-reserved-identifier, readability-identifier-naming): the names are the
-// compiler's
+// The names and the types are the compiler's.
+// NOLINTBEGIN
 #define SCOTTY_PLACE __builtin_return_address(0)
 #define SCOTTY_PLAIN(bytes)                                                                      \
     void __tsan_read##bytes(void* a) { note(Access::read, a, bytes, SCOTTY_PLACE); }             \
@@ -96,4 +96,4 @@ void __tsan_vptr_update(void**, void*) {}
 void __tsan_vptr_read(void**) {}
 void __tsan_init() {}
 }
-// NOLINTEND(bugprone-reserved-identifier, readability-identifier-naming)
+// NOLINTEND

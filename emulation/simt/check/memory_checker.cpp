@@ -158,22 +158,22 @@ void MemoryChecker::note_download(const void* host, const void* device, std::siz
 std::optional<Writer> MemoryChecker::last_writer(const void* host) const {
     const auto at = reinterpret_cast<std::uintptr_t>(host);
     // The latest: memory of the host is used again.
-    for (auto download = downloads_.rbegin(); download != downloads_.rend(); ++download) {
-        if (at - download->host >= download->bytes) continue;
-        const Shadow& shadow = shadows_[(download->offset + (at - download->host)) / 4];
-        const Stamp& plain = shadow.of[index(Access::write)];
-        const Stamp& atomic = shadow.of[index(Access::atomic)];
-        const bool atomically = atomic.launch > plain.launch;
-        const Stamp& last = atomically ? atomic : plain;
-        if (last.launch == 0) return std::nullopt;
-        return Writer{kernels_[last.launch - 1],
-                      last.launch == kernels_.size(),
-                      atomically,
-                      last.block,
-                      last.when & kThreadMask,
-                      last.place};
-    }
-    return std::nullopt;
+    const auto download = std::find_if(
+        downloads_.rbegin(), downloads_.rend(),
+        [&](const Download& candidate) { return at - candidate.host < candidate.bytes; });
+    if (download == downloads_.rend()) return std::nullopt;
+    const Shadow& shadow = shadows_[(download->offset + (at - download->host)) / 4];
+    const Stamp& plain = shadow.of[index(Access::write)];
+    const Stamp& atomic = shadow.of[index(Access::atomic)];
+    const bool atomically = atomic.launch > plain.launch;
+    const Stamp& last = atomically ? atomic : plain;
+    if (last.launch == 0) return std::nullopt;
+    return Writer{kernels_[last.launch - 1],
+                  last.launch == kernels_.size(),
+                  atomically,
+                  last.block,
+                  last.when & kThreadMask,
+                  last.place};
 }
 
 std::uint32_t MemoryChecker::begin_launch(const char* kernel) {
@@ -302,7 +302,7 @@ std::string MemoryChecker::name_of(std::uintptr_t offset) const {
 
 std::string to_text(const MemoryFinding& finding) {
     const std::vector<std::string> lines = source_lines({finding.place, finding.other_place});
-    const std::string one =
+    std::string one =
         who_text(finding.thread, finding.block) + " " + verb(finding.access) + " at " + lines[0];
     switch (finding.kind) {
         case MemoryFinding::Kind::race:

@@ -101,9 +101,8 @@ std::vector<std::string> source_lines(const std::vector<std::uint32_t>& offsets)
         }
     }
     if (!command.empty()) {
-        const std::string program = "/proc/" + std::to_string(::getpid()) + "/exe";
-        for (auto& [offset, line] :
-             parse(output_of("addr2line -a -i -e " + program + command + " 2>/dev/null"))) {
+        command.insert(0, "addr2line -a -i -e /proc/" + std::to_string(::getpid()) + "/exe");
+        for (auto& [offset, line] : parse(output_of(command.append(" 2>/dev/null")))) {
             known[offset + 1] = std::move(line);
         }
     }

@@ -24,6 +24,19 @@ struct alignas(16) float4 {
 __device__ inline unsigned __ballot_sync(unsigned mask, bool predicate) {
     return __nvvm_vote_ballot_sync(mask, predicate);
 }
+__device__ inline int __any_sync(unsigned mask, bool predicate) {
+    return __nvvm_vote_any_sync(mask, predicate);
+}
+__device__ inline int __all_sync(unsigned mask, bool predicate) {
+    return __nvvm_vote_all_sync(mask, predicate);
+}
+__device__ inline unsigned __match_any_sync(unsigned mask, unsigned value) {
+    return __nvvm_match_any_sync_i32(mask, value);
+}
+__device__ inline unsigned __shfl_sync(unsigned mask, unsigned value, int lane) {
+    return static_cast<unsigned>(
+        __nvvm_shfl_sync_idx_i32(mask, static_cast<int>(value), lane, 0x1f));
+}
 __device__ inline unsigned __shfl_up_sync(unsigned mask, unsigned value, unsigned delta) {
     return static_cast<unsigned>(
         __nvvm_shfl_sync_up_i32(mask, static_cast<int>(value), static_cast<int>(delta), 0));

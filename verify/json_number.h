@@ -1,0 +1,21 @@
+/// Numbers that JSON has no words for.
+#pragma once
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace scotty::verify {
+
+/// One that is not finite is the string "NaN", "Infinity" or "-Infinity".
+inline nlohmann::ordered_json json_number(double value) {
+    if (std::isfinite(value)) return value;
+    if (std::isnan(value)) return "NaN";
+    return value > 0.0 ? "Infinity" : "-Infinity";
+}
+/// Null where there is none.
+inline nlohmann::ordered_json json_number(const std::optional<float>& value) {
+    return value ? json_number(static_cast<double>(*value)) : nlohmann::ordered_json(nullptr);
+}
+
+}  // namespace scotty::verify
