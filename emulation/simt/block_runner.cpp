@@ -91,6 +91,12 @@ bool BlockRunner::run_warp(const Launch& launch, std::uint32_t warp) {
     const std::uint32_t lanes = std::min(kLanes, launch.threads - base);
     ThreadStop* const stops = stops_.data() + base;
     context.lanes = lanes;
+    // A warp that did not meet leaves what its lanes have brought; the others run all the same.
+    context.ballot_in = 0;
+    if (context.masked) {
+        masks_.fill(0);
+        context.masked = false;
+    }
     const auto take_turns = [&](const auto& turn) {
         for (const std::uint8_t lane : order_.lane_order) {
             if (lane >= lanes) continue;

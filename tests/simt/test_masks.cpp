@@ -46,6 +46,17 @@ SCOTTY_KERNEL(mask_of_who_has_left)(std::uint32_t* out) {
     out[thread_index()] = SCOTTY_AWAIT(warp_ballot(true, kWholeWarp));
 }
 
+/// The first warp waits for a lane that has left; the others have nothing to do with it.
+SCOTTY_KERNEL(one_warp_waits)(std::uint32_t* out) {
+    if (warp_index() == 0) {
+        if (lane_index() == 9) SCOTTY_RETURN;
+        out[thread_index()] = SCOTTY_AWAIT(warp_ballot(true, kWholeWarp));
+    }
+    SCOTTY_SYNC();
+    out[thread_index()] = SCOTTY_AWAIT(warp_ballot(lane_index() == 3));
+    SCOTTY_SYNC();
+}
+
 SCOTTY_KERNEL(reverse_dynamic)(std::uint32_t* out) {
     SCOTTY_SHARED(std::uint32_t, first);
     SCOTTY_SHARED_DYNAMIC(std::uint32_t, values);
@@ -61,11 +72,8 @@ SCOTTY_KERNEL(reverse_dynamic)(std::uint32_t* out) {
 namespace {
 
 using namespace scotty::gpu::simt;
+using namespace scotty::simt::test;
 using scotty::emulation::simt::Grid;
-using scotty::simt::test::error_of;
-using scotty::simt::test::every_order;
-using scotty::simt::test::Executor;
-using scotty::simt::test::SimtOptions;
 
 TEST_CASE("executor: lanes of one warp meet at different collectives, by their masks",
           "[simt][collectives]") {
@@ -116,6 +124,12 @@ TEST_CASE("executor: a mask without the lane itself, or with one that has left, 
     });
     CHECK_THAT(left.what(), Contains("thread 9 has left the kernel") &&
                                 Contains("threads 0-8, 10-31 wait at the warp collective"));
+    std::vector<std::uint32_t> more(96, 0);
+    const auto one =
+        error_of([&] { Executor().launch("one_warp_waits", 1, 96, one_warp_waits, more.data()); });
+    CHECK_THAT(one.what(), Contains("thread 9 has left the kernel") &&
+                               Contains("threads 0-8, 10-31 wait at the warp collective") &&
+                               Contains("threads 32-95 wait at the barrier"));
 }
 
 TEST_CASE("executor: a launch gives a block shared memory beside what the kernel declares",
