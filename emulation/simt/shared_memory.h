@@ -54,6 +54,7 @@ class SharedMemory {
     }
 
     const std::byte* memory() const { return memory_; }
+    std::size_t used() const { return used_; }  ///< bytes that are somebody's
     /// "counts, byte 12", for an offset in memory().
     std::string name_at(std::size_t offset) const {
         if (offset >= used_) return "behind all of it, byte " + std::to_string(offset - used_);

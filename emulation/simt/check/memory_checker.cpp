@@ -110,6 +110,7 @@ MemoryChecker::MemoryChecker()
       shadow_memory_(kDeviceBytes / 4 * sizeof(Shadow), "what is known of each word"),
       state_memory_(kDeviceBytes / 4, "which words are written"),
       begin_(reinterpret_cast<std::uintptr_t>(memory_.data())),
+      text_begin_(program_begin()),
       shadows_(reinterpret_cast<Shadow*>(shadow_memory_.data())),
       states_(reinterpret_cast<std::uint8_t*>(state_memory_.data())) {}
 
@@ -188,8 +189,6 @@ std::vector<MemoryFinding> MemoryChecker::take_findings() {
     return std::exchange(findings_, {});
 }
 
-std::uint32_t MemoryChecker::text_offset(const void* place) { return offset_in_program(place); }
-
 void MemoryChecker::check_device(Access access, std::uintptr_t offset, std::size_t bytes,
                                  std::uint32_t place, const Accessor& who) {
     const std::size_t end = std::min(offset + bytes + 3, kDeviceBytes) / 4;
@@ -229,6 +228,10 @@ void MemoryChecker::check_shared(Access access, std::uintptr_t offset, std::size
                                  std::uint32_t place, const Accessor& who,
                                  const SharedMemory& shared, Shadow* shadows) {
     const std::size_t end = std::min(offset + bytes + 3, SharedMemory::kBytes) / 4;
+    if (offset + bytes > shared.used()) {
+        report(MemoryFinding::Kind::outside, access, place, who, nullptr, access, offset, &shared);
+        return;
+    }
     const auto is_own = [&](const Stamp& s) {
         return s.launch == who.launch && s.block == who.block;
     };

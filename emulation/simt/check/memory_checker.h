@@ -116,12 +116,13 @@ class MemoryChecker {
         const auto at = reinterpret_cast<std::uintptr_t>(address);
         const std::uintptr_t offset = at - begin_;
         if (offset < kDeviceBytes) {
-            check_device(access, offset, bytes, text_offset(place), who);
+            check_device(access, offset, bytes, offset_in_text(place), who);
             return;
         }
         const std::uintptr_t in_block = at - reinterpret_cast<std::uintptr_t>(shared.memory());
         if (in_block < SharedMemory::kBytes) {
-            check_shared(access, in_block, bytes, text_offset(place), who, shared, shared_shadow);
+            check_shared(access, in_block, bytes, offset_in_text(place), who, shared,
+                         shared_shadow);
         }
     }
 
@@ -141,7 +142,9 @@ class MemoryChecker {
     };
     static constexpr std::size_t kGuard = 4096;
 
-    static std::uint32_t text_offset(const void* place);
+    std::uint32_t offset_in_text(const void* place) const {
+        return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(place) - text_begin_);
+    }
     void check_device(Access access, std::uintptr_t offset, std::size_t bytes, std::uint32_t place,
                       const Accessor& who);
     void check_shared(Access access, std::uintptr_t offset, std::size_t bytes, std::uint32_t place,
@@ -157,6 +160,7 @@ class MemoryChecker {
     MappedMemory shadow_memory_;
     MappedMemory state_memory_;
     std::uintptr_t begin_ = 0;
+    std::uintptr_t text_begin_ = 0;
     Shadow* shadows_ = nullptr;
     std::uint8_t* states_ = nullptr;
     std::size_t used_ = kGuard;

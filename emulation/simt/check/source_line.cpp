@@ -15,29 +15,6 @@ namespace scotty::emulation::simt {
 
 namespace {
 
-struct Program {
-    std::uintptr_t base = 0;
-    std::uintptr_t end = 0;
-};
-
-/// The first object that the loader names is the program itself.
-Program find_program() {
-    Program program;
-    ::dl_iterate_phdr(
-        [](dl_phdr_info* info, std::size_t, void* found) {
-            auto& out = *static_cast<Program*>(found);
-            out.base = info->dlpi_addr;
-            for (int i = 0; i < info->dlpi_phnum; ++i) {
-                const auto& part = info->dlpi_phdr[i];
-                const std::uintptr_t end = info->dlpi_addr + part.p_vaddr + part.p_memsz;
-                if (part.p_type == PT_LOAD && end > out.end) out.end = end;
-            }
-            return 1;
-        },
-        &program);
-    return program;
-}
-
 std::string output_of(const std::string& command) {
     const std::unique_ptr<FILE, int (*)(FILE*)> pipe(::popen(command.c_str(), "r"), ::pclose);
     std::string text;
@@ -80,11 +57,16 @@ std::map<std::uint32_t, std::string> parse(const std::string& text) {
 
 }  // namespace
 
-std::uint32_t offset_in_program(const void* place) {
-    static const Program program = find_program();
-    const auto at = reinterpret_cast<std::uintptr_t>(place);
-    if (at < program.base || at >= program.end) return 0;
-    return static_cast<std::uint32_t>(at - program.base);
+std::uintptr_t program_begin() {
+    std::uintptr_t begin = 0;
+    // The first object that the loader names is the program itself.
+    ::dl_iterate_phdr(
+        [](dl_phdr_info* info, std::size_t, void* found) {
+            *static_cast<std::uintptr_t*>(found) = info->dlpi_addr;
+            return 1;
+        },
+        &begin);
+    return begin;
 }
 
 std::vector<std::string> source_lines(const std::vector<std::uint32_t>& offsets) {

@@ -7,8 +7,8 @@
 
 namespace scotty::emulation::simt {
 
-/// Offset of an address in the program; 0 where it is not the program's own.
-std::uint32_t offset_in_program(const void* place);
+/// Where the program's text lies: what source_lines() is asked for are offsets from here.
+std::uintptr_t program_begin();
 
 /// "gpu/intersect.h:107" for every offset, by binutils' addr2line and the program's own line
 /// tables: of calls that were inlined the innermost that lies in gpu/ or a test, or else the

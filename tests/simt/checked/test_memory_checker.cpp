@@ -61,6 +61,11 @@ SCOTTY_KERNEL(read_unwritten_shared)(std::uint32_t* out) {
     SCOTTY_SYNC();
     if (thread_index() == 1) out[0] = shared.at[0] + shared.at[7];
 }
+SCOTTY_KERNEL(write_behind_shared)(std::uint32_t index) {
+    SCOTTY_SHARED(Words, shared);
+    if (thread_index() == 5) (&shared.at[0])[index] = 1;
+    SCOTTY_RETURN;
+}
 /// Blocks use the same piece of memory one after the other: that is not sharing.
 SCOTTY_KERNEL(own_shared)(std::uint32_t* out) {
     SCOTTY_SHARED(Words, shared);
@@ -82,10 +87,8 @@ SCOTTY_KERNEL(ballot_is_no_barrier)(std::uint32_t* out) {
 namespace {
 
 using namespace scotty::gpu::simt;
+using namespace scotty::simt::test;
 using scotty::emulation::simt::CurrentDevice;
-using scotty::simt::test::every_order;
-using scotty::simt::test::Executor;
-using scotty::simt::test::SimtOptions;
 
 /// An executor that checks, with device memory of `words` zeros.
 struct Checked {
@@ -104,9 +107,7 @@ struct Checked {
     std::uint32_t* memory = nullptr;
 };
 
-std::string said(const std::function<void()>& launch) {
-    return scotty::simt::test::error_of(launch).what();
-}
+std::string said(const std::function<void()>& launch) { return error_of(launch).what(); }
 
 Catch::Matchers::StdString::RegexMatcher says(const std::string& text) {
     return Catch::Matchers::Matches("(.|\n)*" + text + "(.|\n)*");
@@ -146,7 +147,7 @@ TEST_CASE("checker: with the barrier there is nothing to say", "[simt][checker]"
 
 TEST_CASE("checker: a plain add on a counter races though nothing was lost", "[simt][checker]") {
     for (const std::uint32_t blocks : {1u, 2u}) {
-        Checked device({0, scotty::emulation::ScheduleKind::linear, 0});
+        Checked device({0, ScheduleKind::linear, 0});
         const std::string what = said([&] {
             device.executor.launch("count_threads", blocks, 32, count_threads, device.memory,
                                    false);
@@ -202,6 +203,13 @@ TEST_CASE("checker: memory that nobody has written, that is not there, or no mor
                                           out);
                }),
                says("nobody has written shared memory shared, byte 28: thread 1 of block 0"));
+    device.executor.launch("write_behind_shared", 1, 32, write_behind_shared, 255u);
+    CHECK_THAT(
+        said([&] {
+            device.executor.launch("write_behind_shared", 1, 32, write_behind_shared, 300u);
+        }),
+        says(
+            "out of bounds, shared memory behind all of it, byte 176: thread 5 of block 0 writes"));
 }
 
 TEST_CASE("checker: warp collectives order no memory", "[simt][checker]") {
