@@ -25,7 +25,7 @@ double radius_towards(const Direction& d) {
     return kRadius * (1.0 + kRoughness * height);
 }
 
-reference::Scene generate(const Parameters& parameters) {
+reference::Scene generate_blob(const Parameters& parameters) {
     const double asked = parameters.number("triangles");
     const std::uint32_t frequency = geodesic_frequency(asked);
     const std::uint64_t made = geodesic_triangles(frequency);
@@ -52,6 +52,6 @@ reference::Scene generate(const Parameters& parameters) {
 const Generator kBlob = {"blob",
                          "Cornell box with a displaced sphere of any resolution",
                          {{"triangles", 20480, 20, kMaxTriangles}},
-                         generate};
+                         generate_blob};
 
 }  // namespace scotty::scenes

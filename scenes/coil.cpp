@@ -80,7 +80,7 @@ void add_tube(reference::Scene& scene, double turns, std::uint32_t segments, std
     }
 }
 
-reference::Scene generate(const Parameters& parameters) {
+reference::Scene generate_coil(const Parameters& parameters) {
     const double segments = parameters.number("segments");
     const double sides = parameters.number("sides");
     const double triangles = 2.0 * (segments + 1.0) * sides;
@@ -103,6 +103,6 @@ const Generator kCoil = {
     "coil",
     "Cornell box with a coil of dim mirror: long, thin, curved, many nodes entered in vain",
     {{"turns", 8, 0.25, 1000, false}, {"segments", 328, 3, 1e8}, {"sides", 12, 3, 1e6}},
-    generate};
+    generate_coil};
 
 }  // namespace scotty::scenes

@@ -7,7 +7,7 @@ namespace {
 
 /// In equilibrium the radiance is emission / (1 - albedo) everywhere; n bounces of light give
 /// emission * (1 - albedo^(n + 1)) / (1 - albedo).
-reference::Scene generate(const Parameters& parameters) {
+reference::Scene generate_furnace(const Parameters& parameters) {
     reference::Scene scene;
     const auto albedo = static_cast<float>(parameters.number("albedo"));
     const auto emission = static_cast<float>(parameters.number("emission"));
@@ -39,6 +39,6 @@ reference::Scene generate(const Parameters& parameters) {
 const Generator kFurnace = {"furnace",
                             "closed box that glows evenly: radiance is emission / (1 - albedo)",
                             {{"albedo", 0.5, 0, 0.999, false}, {"emission", 0.5, 0, 1e6, false}},
-                            generate};
+                            generate_furnace};
 
 }  // namespace scotty::scenes

@@ -102,7 +102,7 @@ void add_t_junction(Scene& scene, std::uint32_t above, std::uint32_t below) {
     add_triangle(scene, on_edge, bottom, right, below);
 }
 
-Scene generate(const Parameters&) {
+Scene generate_slivers(const Parameters&) {
     Scene scene;
     const std::uint32_t grey = add_diffuse(scene, Vec3(0.6f, 0.6f, 0.6f));
     const std::uint32_t sand = add_diffuse(scene, Vec3(0.75f, 0.6f, 0.4f));
@@ -124,7 +124,9 @@ Scene generate(const Parameters&) {
 
 }  // namespace
 
-const Generator kSlivers = {
-    "slivers", "needles, fans, coincident and zero-area triangles under an open sky", {}, generate};
+const Generator kSlivers = {"slivers",
+                            "needles, fans, coincident and zero-area triangles under an open sky",
+                            {},
+                            generate_slivers};
 
 }  // namespace scotty::scenes

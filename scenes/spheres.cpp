@@ -6,7 +6,7 @@ namespace scotty::scenes {
 
 namespace {
 
-reference::Scene generate(const Parameters& parameters) {
+reference::Scene generate_spheres(const Parameters& parameters) {
     reference::Scene scene = cornell_room();
     const std::uint32_t frequency = parameters.integer("frequency");
     // A millimetre above the floor, so that no vertex lies in it.
@@ -22,6 +22,6 @@ reference::Scene generate(const Parameters& parameters) {
 const Generator kSpheres = {"spheres",
                             "Cornell box with a mirror and a glass sphere",
                             {{"frequency", 16, 1, 1000}},
-                            generate};
+                            generate_spheres};
 
 }  // namespace scotty::scenes

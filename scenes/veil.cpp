@@ -11,7 +11,7 @@ constexpr float kBack = -0.7f;
 
 /// A stack of sheets, small in front and large at the back, so that all of them show and a ray
 /// through the middle meets every one. Tilts make their boxes, and some sheets, overlap.
-reference::Scene generate(const Parameters& parameters) {
+reference::Scene generate_veil(const Parameters& parameters) {
     reference::Scene scene;
     const std::uint32_t layers = parameters.integer("layers");
     const std::uint32_t white = add_diffuse(scene, Vec3(0.73f, 0.73f, 0.73f));
@@ -43,6 +43,6 @@ reference::Scene generate(const Parameters& parameters) {
 const Generator kVeil = {"veil",
                          "a stack of overlapping sheets: a ray meets all of them",
                          {{"layers", 64, 1, 1e6}},
-                         generate};
+                         generate_veil};
 
 }  // namespace scotty::scenes
