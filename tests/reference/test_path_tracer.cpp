@@ -1,6 +1,4 @@
 /// The independent path tracer: closed forms, its noise, and that a run can be interrupted.
-#include <stdlib.h>
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
@@ -11,6 +9,7 @@
 #include "reference/error.h"
 #include "reference/path_tracer.h"
 #include "tests/reference/meshes.h"
+#include "tests/temporary_folder.h"
 
 namespace scotty::reference::test {
 namespace {
@@ -92,21 +91,6 @@ double square_form_factor(double a, double h) {
     return 4.0 / (2.0 * 3.141592653589793) * 2.0 * (x / root) * std::atan(x / root);
 }
 
-struct Folder {
-    fs::path path;
-    Folder() {
-        std::string pattern = (fs::temp_directory_path() / "scotty_paths_XXXXXX").string();
-        REQUIRE(mkdtemp(pattern.data()) != nullptr);
-        path = pattern;
-    }
-    ~Folder() {
-        std::error_code ignored;
-        fs::remove_all(path, ignored);
-    }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-};
-
 bool same_bits(const SampleSums& a, const SampleSums& b) {
     const std::size_t bytes = a.sum.size() * sizeof(a.sum[0]);
     return a.samples == b.samples && a.sum.size() == b.sum.size() &&
@@ -164,14 +148,14 @@ TEST_CASE("path tracer: a patch under a square lamp gets the form factor's light
 }
 
 TEST_CASE("path tracer: an interrupted run goes on to the same bits", "[reference][path-tracer]") {
-    const Folder folder;
+    const tests::TemporaryFolder folder;
     const Scene wall = lit_wall();
     PipelineParameters p = picture(6, 4, 50);
     PathTracerOptions options;
     options.samples_a_round = 16;
     const SampleSums uninterrupted = trace_paths(wall, p, options);
 
-    options.state = folder.path / "state";
+    options.state = folder / "state";
     options.threads = 1;
     struct Interrupted {};
     options.progress = [](std::uint64_t done, std::uint64_t total) {
@@ -193,11 +177,11 @@ TEST_CASE("path tracer: an interrupted run goes on to the same bits", "[referenc
 
 TEST_CASE("path tracer: the state of another run or half a file is refused by name",
           "[reference][path-tracer]") {
-    const Folder folder;
+    const tests::TemporaryFolder folder;
     const Scene wall = lit_wall();
     const PipelineParameters p = picture(3, 3, 4);
     PathTracerOptions options;
-    options.state = folder.path / "state";
+    options.state = folder / "state";
     trace_paths(wall, p, options);
 
     PipelineParameters other = p;
@@ -215,7 +199,7 @@ TEST_CASE("path tracer: the state of another run or half a file is refused by na
     CHECK_THAT(message_of(wall, p, options), Contains("is damaged"));
     fs::resize_file(options.state, size - 1);
     CHECK_THAT(message_of(wall, p, options), Contains("cut short"));
-    options.state = folder.path / "no" / "state";
+    options.state = folder / "no/state";
     CHECK_THAT(message_of(wall, p, options), Contains("cannot be written"));
 }
 

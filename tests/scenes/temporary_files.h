@@ -1,34 +1,20 @@
 /// Small files for the loaders, in a folder that goes away with the test.
 #pragma once
 
-#include <unistd.h>
-
-#include <filesystem>
-#include <fstream>
+#include <stdexcept>
 #include <string>
 
 #include "scenes/scenes.h"
+#include "tests/temporary_folder.h"
 
 namespace scotty::tests {
 
 class TemporaryFiles {
  public:
-    TemporaryFiles() {
-        folder_ = std::filesystem::temp_directory_path() /
-                  ("scotty_test_" + std::to_string(::getpid()) + "_" + std::to_string(++count_));
-        std::filesystem::create_directories(folder_);
-    }
-    ~TemporaryFiles() {
-        std::error_code ignored;
-        std::filesystem::remove_all(folder_, ignored);
-    }
-    TemporaryFiles(const TemporaryFiles&) = delete;
-    TemporaryFiles& operator=(const TemporaryFiles&) = delete;
-
     /// Writes a file and returns its path.
     std::string write(const std::string& name, const std::string& content) const {
-        const std::string path = (folder_ / name).string();
-        std::ofstream(path, std::ios::binary) << content;
+        const std::string path = folder_.file(name.c_str());
+        spill(path, content);
         return path;
     }
     reference::Scene load(const std::string& name, const std::string& content,
@@ -37,8 +23,7 @@ class TemporaryFiles {
     }
 
  private:
-    static inline int count_ = 0;
-    std::filesystem::path folder_;
+    TemporaryFolder folder_;
 };
 
 /// `text` with the first `from` replaced by `to`.

@@ -11,13 +11,17 @@
 #include "emulation/pipeline.h"
 #include "reference/wide_bvh.h"
 #include "scenes/scenes.h"
+#include "tests/temporary_folder.h"
 #include "tests/verify/stage_copies.h"
-#include "tests/verify/temporary_folder.h"
 #include "verify/capture.h"
 #include "verify/capture_writer.h"
 #include "verify/pipeline_input.h"
 
 namespace scotty::verify::test {
+
+using tests::slurp;
+using tests::spill;
+using tests::TemporaryFolder;
 
 /// `text` with the first `from` replaced by `to`.
 inline std::string replaced(std::string text, const std::string& from, const std::string& to) {

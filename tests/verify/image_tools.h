@@ -4,10 +4,14 @@
 #include <cmath>
 #include <cstdint>
 
-#include "tests/verify/temporary_folder.h"
+#include "tests/temporary_folder.h"
 #include "verify/measured_image.h"
 
 namespace scotty::verify::test {
+
+using tests::slurp;
+using tests::spill;
+using tests::TemporaryFolder;
 
 /// A smooth picture without noise, of no symmetry; values are floats.
 inline MeasuredImage smooth_image(std::uint32_t width, std::uint32_t height) {

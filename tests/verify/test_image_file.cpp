@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "reference/error.h"
+#include "tests/temporary_folder.h"
 #include "verify/image_file.h"
 
 namespace {
@@ -15,17 +16,9 @@ using namespace scotty;
 using Catch::Matchers::Contains;
 namespace fs = std::filesystem;
 
-/// A folder that goes when the test does.
-struct Folder {
-    fs::path path = fs::temp_directory_path() / "scotty_image_test";
-    Folder() {
-        fs::remove_all(path);
-        fs::create_directories(path);
-    }
-    ~Folder() { fs::remove_all(path); }
-    std::string file(const char* name) const { return (path / name).string(); }
-    std::ptrdiff_t files() const { return std::distance(fs::directory_iterator(path), {}); }
-};
+std::ptrdiff_t files_in(const tests::TemporaryFolder& folder) {
+    return std::distance(fs::directory_iterator(folder.path()), {});
+}
 
 reference::Image gradient() {
     reference::Image image{3, 2, {}};
@@ -47,7 +40,7 @@ std::vector<T> read(const std::string& path, OIIO::TypeDesc type) {
 }
 
 TEST_CASE("image file: EXR holds the radiance bit for bit", "[verify][image]") {
-    const Folder folder;
+    const tests::TemporaryFolder folder;
     const reference::Image image = gradient();
     verify::write_image(image, folder.file("a.exr"));
     const auto values = read<float>(folder.file("a.exr"), OIIO::TypeDesc::FLOAT);
@@ -56,11 +49,11 @@ TEST_CASE("image file: EXR holds the radiance bit for bit", "[verify][image]") {
         CHECK(values[3 * i + 1] == image.pixels[i].y);
         CHECK(values[3 * i + 2] == image.pixels[i].z);
     }
-    CHECK(folder.files() == 1);
+    CHECK(files_in(folder) == 1);
 }
 
 TEST_CASE("image file: PNG holds sRGB of radiance times two to the exposure", "[verify][image]") {
-    const Folder folder;
+    const tests::TemporaryFolder folder;
     reference::Image image{3, 2, std::vector<reference::Vec3>(6, reference::Vec3(0.215861f))};
     image.pixels[1] = reference::Vec3(7.0f, -1.0f, std::nanf(""));
     verify::write_image(image, folder.file("a.png"));
@@ -72,21 +65,21 @@ TEST_CASE("image file: PNG holds sRGB of radiance times two to the exposure", "[
     verify::write_image(image, folder.file("a.png"), 8.0f);
     values = read<unsigned char>(folder.file("a.png"), OIIO::TypeDesc::UINT8);
     CHECK(static_cast<int>(values[0]) == 255);
-    CHECK(folder.files() == 1);
+    CHECK(files_in(folder) == 1);
 }
 
 TEST_CASE("image file: a name or folder that will not do is refused, nothing is left behind",
           "[verify][image]") {
-    const Folder folder;
+    const tests::TemporaryFolder folder;
     CHECK_THROWS_WITH(verify::write_image(gradient(), folder.file("a.jpeg")),
                       Contains("a.jpeg") && Contains(".exr or .png"));
     CHECK_THROWS_WITH(verify::check_image_path(folder.file("no/such/a.png")),
                       Contains("does not exist"));
-    fs::create_directories(folder.path / "taken.png");
-    std::ofstream(folder.path / "taken.png" / "inside") << "x";
+    fs::create_directories(folder / "taken.png");
+    std::ofstream(folder / "taken.png/inside") << "x";
     CHECK_THROWS_WITH(verify::write_image(gradient(), folder.file("taken.png")),
                       Contains("taken.png"));
-    CHECK(folder.files() == 1);
+    CHECK(files_in(folder) == 1);
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 /// Golden images and ledgers inside `scotty verify`, and the golden images among themselves.
 #include <catch2/catch.hpp>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -32,9 +31,6 @@ struct Copy {
         settings.scenes = {"furnace"};
         verify_golden(settings, backend, report);
         return report;
-    }
-    void write(const char* name, const std::string& text) const {
-        std::ofstream(golden / name, std::ios::binary) << text;
     }
 };
 
@@ -80,7 +76,7 @@ TEST_CASE("verify golden: a missing, spoiled or foreign file fails, and is never
                    Contains("[golden-missing]") && Contains("images/furnace.exr"));
     }
     SECTION("the ledger is another") {
-        copy.write("ledgers/furnace.txt", "nonsense\n");
+        spill(copy.golden / "ledgers/furnace.txt", "nonsense\n");
         CHECK_THAT(failures_text(copy.verify()), Contains("[golden-corrupted]"));
     }
     SECTION("the whole folder is gone") {
@@ -88,7 +84,7 @@ TEST_CASE("verify golden: a missing, spoiled or foreign file fails, and is never
         CHECK_THAT(failures_text(copy.verify()), Contains("[golden]"));
     }
     SECTION("a waiver has expired") {
-        copy.write("waivers.json", waivers_until("2020-01-01"));
+        spill(copy.golden / "waivers.json", waivers_until("2020-01-01"));
         CHECK_THAT(failures_text(copy.verify()), Contains("[golden-waiver]"));
     }
     CHECK_FALSE(copy.verify().passed());
@@ -104,7 +100,7 @@ TEST_CASE(
     CHECK_THAT(failures_text(report),
                Contains("[golden-ledger] reconstruct_image") && Contains("[image-global] furnace"));
     CHECK_THAT(table(report), Contains("furnace") && Contains("FAILED"));
-    copy.write("waivers.json", waivers_until("2999-01-01"));
+    spill(copy.golden / "waivers.json", waivers_until("2999-01-01"));
     const Report waived = copy.verify(with_light_scaled(0.99f));
     INFO(failures_text(waived));
     CHECK(waived.passed());

@@ -8,9 +8,9 @@
 #include <sstream>
 #include <string>
 
-namespace scotty::verify::test {
+namespace scotty::tests {
 
-/// A folder that goes when the test does.
+/// A folder that goes when the test does. Its name is the system's: mkdtemp() wants the X.
 class TemporaryFolder {
  public:
     TemporaryFolder() {
@@ -43,4 +43,4 @@ inline void spill(const std::filesystem::path& file, const std::string& text) {
     std::ofstream(file, std::ios::binary) << text;
 }
 
-}  // namespace scotty::verify::test
+}  // namespace scotty::tests
