@@ -132,7 +132,12 @@ int run_verify(VerifyOptions& options) {
                      scene.configurations.size(), scene.rays(), scene.seconds,
                      scene.passed() ? "passed" : "FAILED");
     }
-    if (options.asks_golden()) judge_golden_files(options, report);
+    if (options.asks_golden()) {
+        judge_golden_files(options, report);
+    } else if (options.backend.name == "simt" && !options.no_golden) {
+        spdlog::info(
+            "golden images are not asked of simt, which takes minutes: --only-golden does");
+    }
     report.seconds = seconds();
     if (matched_nothing(options, report)) {
         throw reference::Error::bad_input(
