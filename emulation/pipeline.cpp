@@ -33,10 +33,6 @@ namespace {
 
 std::uint32_t blocks_for(std::uint32_t items) { return (items + 255) / 256; }
 
-reference::PathParameters path_parameters(const PipelineParameters& p) {
-    return {p.seed, p.image_width, p.image_height, p.light_samples, p.bounces};
-}
-
 bool finite(const Vec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
@@ -63,7 +59,7 @@ class Pipeline::State {
           reference::StageObserver* observer)
         : scene_(reference::view_of(scene)),
           parameters_(parameters),
-          path_(path_parameters(parameters)),
+          path_(reference::path_parameters(parameters)),
           device_(device),
           log_(observer),
           traversal_(scene, bvh, parameters_, device_, log_) {

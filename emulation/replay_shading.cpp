@@ -33,10 +33,6 @@ struct PathBuffers {
     }
 };
 
-reference::PathParameters path_parameters(const PipelineParameters& p) {
-    return {p.seed, p.image_width, p.image_height, p.light_samples, p.bounces};
-}
-
 BatchView batch_view(const ReplayStage& run) {
     const reference::BatchExtent batch = batch_of(run.parameters, run.stage);
     return {batch.first_pixel, batch.pixels, batch.first_sample, batch.samples};
@@ -53,7 +49,8 @@ void replay_primary_rays(ReplayStage& run) {
                       std::vector<std::uint32_t>(n), std::vector<std::uint32_t>(n)};
     const PathView view = paths.view();
     run.device.launch_per_item(batch.pixels, [&](std::uint32_t pixel) {
-        primary_rays(pixel, batch, run.scene.camera, path_parameters(run.parameters), view);
+        primary_rays(pixel, batch, run.scene.camera, reference::path_parameters(run.parameters),
+                     view);
     });
     run.buffers.output("rays", paths.rays, "origin, t_min, direction, t_max");
     run.buffers.output("throughput", paths.throughput, "importance of the path");
@@ -80,8 +77,8 @@ void replay_direct_light_rays(ReplayStage& run) {
     std::vector<Ray> shadow_rays(n);
     const PathView view = paths.view();
     run.device.launch_per_item(static_cast<std::uint32_t>(n), [&](std::uint32_t ray) {
-        direct_light_rays(ray, run.scene, path_parameters(run.parameters), run.stage.bounce,
-                          run.stage.light, view, hits.data(), shadow_rays.data());
+        direct_light_rays(ray, run.scene, reference::path_parameters(run.parameters),
+                          run.stage.bounce, run.stage.light, view, hits.data(), shadow_rays.data());
     });
     run.buffers.output("shadow_rays", shadow_rays, "origin, t_min, direction, t_max");
     run.buffers.output("potential", paths.potential, "light if the shadow ray is free");
@@ -116,8 +113,8 @@ void replay_scene_rays(ReplayStage& run) {
         hits_of_scene(run.buffers, "path_hits", n, run.scene.triangle_count);
     const PathView view = paths.view();
     run.device.launch_per_item(static_cast<std::uint32_t>(n), [&](std::uint32_t ray) {
-        scene_rays(ray, run.scene, path_parameters(run.parameters), run.stage.bounce, hits.data(),
-                   view);
+        scene_rays(ray, run.scene, reference::path_parameters(run.parameters), run.stage.bounce,
+                   hits.data(), view);
     });
     run.buffers.output("rays", paths.rays, "origin, t_min, direction, t_max");
     run.buffers.output("throughput", paths.throughput, "importance of the path");

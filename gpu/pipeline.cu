@@ -64,8 +64,7 @@ class DevicePipeline final : public Pipeline {
           trace_rays_(budget_),
           trace_hits_(budget_) {
         SCOTTY_ASSERT(bvh.width, ==, parameters.width);
-        path_ = {parameters.seed, parameters.image_width, parameters.image_height,
-                 parameters.light_samples, parameters.bounces};
+        path_ = reference::path_parameters(parameters);
     }
 
     reference::Image render() override;

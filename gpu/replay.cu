@@ -52,8 +52,7 @@ class StageRun {
           stage_(stage),
           scene_(scene, bvh, budget_),
           buffers_(stage),
-          path_{parameters.seed, parameters.image_width, parameters.image_height,
-                parameters.light_samples, parameters.bounces} {}
+          path_(reference::path_parameters(parameters)) {}
 
     std::vector<reference::OwnedBuffer> run();
 

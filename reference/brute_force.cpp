@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t kLanes = 8;
 constexpr std::size_t kPacksPerTile =
     48;  ///< 48 x 288 bytes: a tile stays in the first-level cache
-constexpr std::size_t kRaysPerTask = 64;
+constexpr std::size_t kBruteForceGrain = 64;
 
 // The vector extension of GCC and Clang: IEEE operations lane by lane on every target.
 using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
@@ -131,7 +131,7 @@ void brute_force_closest(const Scene& scene, std::span<const Ray> rays, std::spa
             }
         }
     };
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), kRaysPerTask), trace,
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), kBruteForceGrain), trace,
                       tbb::simple_partitioner());
 }
 

@@ -58,8 +58,7 @@ Image render_with_embree(const Scene& scene, const PipelineParameters& parameter
                          const EmbreeTracer& tracer, std::size_t threads) {
     validate(parameters);
     const SceneView view = view_of(scene);
-    const PathParameters path{parameters.seed, parameters.image_width, parameters.image_height,
-                              parameters.light_samples, parameters.bounces};
+    const PathParameters path = path_parameters(parameters);
     const std::uint32_t pixels = parameters.image_width * parameters.image_height;
     Image image{parameters.image_width, parameters.image_height, std::vector<Vec3>(pixels)};
     oneapi::tbb::task_arena arena(threads == 0 ? oneapi::tbb::task_arena::automatic

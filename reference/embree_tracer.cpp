@@ -17,7 +17,7 @@ struct EmbreeTracer::State {
 
 namespace {
 
-constexpr std::size_t kRaysPerTask = 512;
+constexpr std::size_t kEmbreeGrain = 512;
 
 template <typename T>
 T* new_buffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, std::size_t count) {
@@ -117,7 +117,7 @@ bool EmbreeTracer::occluded(const Ray& ray) const {
 
 void EmbreeTracer::closest(std::span<const Ray> rays, std::span<Hit> hits) const {
     SCOTTY_ASSERT(rays.size(), ==, hits.size());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), kRaysPerTask),
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), kEmbreeGrain),
                       [&](const tbb::blocked_range<std::size_t>& range) {
                           for (std::size_t i = range.begin(); i < range.end(); ++i) {
                               hits[i] = closest(rays[i]);
@@ -127,7 +127,7 @@ void EmbreeTracer::closest(std::span<const Ray> rays, std::span<Hit> hits) const
 
 void EmbreeTracer::occluded(std::span<const Ray> rays, std::span<std::uint8_t> results) const {
     SCOTTY_ASSERT(rays.size(), ==, results.size());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), kRaysPerTask),
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), kEmbreeGrain),
                       [&](const tbb::blocked_range<std::size_t>& range) {
                           for (std::size_t i = range.begin(); i < range.end(); ++i) {
                               results[i] = occluded(rays[i]) ? 1 : 0;

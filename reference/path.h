@@ -7,6 +7,7 @@
 #include "reference/bsdf.h"
 #include "reference/host_device.h"
 #include "reference/light_sampling.h"
+#include "reference/pipeline_parameters.h"
 #include "reference/records.h"
 #include "reference/rng.h"
 #include "reference/scene.h"
@@ -22,6 +23,9 @@ struct PathParameters {
     std::uint32_t light_samples = 2;
     std::uint32_t bounces = 2;
 };
+inline PathParameters path_parameters(const PipelineParameters& p) {
+    return {p.seed, p.image_width, p.image_height, p.light_samples, p.bounces};
+}
 
 /// Camera ray through a random point of a pixel; y runs downwards, (0, 0) is the top left.
 SCOTTY_HD Ray primary_ray(const Camera& camera, const PathParameters& parameters,

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
 #include <limits>
 
 #include "reference/intersect_box.h"
@@ -16,12 +18,6 @@ namespace {
 /// Edge functions below this underflow in float, whatever their relative precision.
 constexpr double kUnderflow = std::numeric_limits<float>::min();
 
-struct Double3 {
-    double x, y, z;
-};
-Double3 operator-(const Double3& a, const Double3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-double length(const Double3& a) { return std::sqrt(a.x * a.x + a.y * a.y + a.z * a.z); }
-
 /// A vertex seen from the ray: x and y across it, z its parameter t along it.
 struct Sheared {
     double x, y, t;
@@ -30,7 +26,7 @@ struct Sheared {
 
 struct Shear {
     int kx, ky, kz;
-    Double3 origin;
+    glm::dvec3 origin;
     double dx, dy, dz;
 
     explicit Shear(const Ray& ray)
@@ -43,11 +39,11 @@ struct Shear {
           dz(component(ray.direction, kz)) {}
 
     /// From the origin, axes permuted; exact unless the two differ by 29 binary orders.
-    Double3 relative(const Vec3& vertex) const {
-        return Double3{component(vertex, kx), component(vertex, ky), component(vertex, kz)} -
+    glm::dvec3 relative(const Vec3& vertex) const {
+        return glm::dvec3{component(vertex, kx), component(vertex, ky), component(vertex, kz)} -
                origin;
     }
-    Sheared apply(const Double3& p) const {
+    Sheared apply(const glm::dvec3& p) const {
         const double t = p.z / dz;
         return {p.x - dx * t, p.y - dy * t, t};
     }
@@ -77,11 +73,11 @@ TriangleVerdict judge_triangle(const Scene& scene, std::uint32_t triangle, const
     if (is_zero(ray.direction)) return out;
     const Shear shear(ray);
     const auto& index = scene.triangles[triangle];
-    const Double3 a = shear.relative(scene.vertices[index[0]]);
-    const Double3 b = shear.relative(scene.vertices[index[1]]);
-    const Double3 c = shear.relative(scene.vertices[index[2]]);
-    const std::array<double, 3> sides{length(c - b), length(a - c), length(b - a)};
-    const double reach = std::max({length(a), length(b), length(c)});
+    const glm::dvec3 a = shear.relative(scene.vertices[index[0]]);
+    const glm::dvec3 b = shear.relative(scene.vertices[index[1]]);
+    const glm::dvec3 c = shear.relative(scene.vertices[index[2]]);
+    const std::array<double, 3> sides{glm::length(c - b), glm::length(a - c), glm::length(b - a)};
+    const double reach = std::max({glm::length(a), glm::length(b), glm::length(c)});
     const double tolerance = double{kBoxPad} * reach;
 
     const Sheared sa = shear.apply(a);

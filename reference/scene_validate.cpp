@@ -197,12 +197,12 @@ void report_darkness(Scene& scene) {
 }
 
 /// Feeds values field by field: structures have padding, which is not part of a scene.
-class Hasher {
+class SceneHasher {
  public:
-    Hasher() : state_(XXH64_createState()) { XXH64_reset(state_, 0); }
-    ~Hasher() { XXH64_freeState(state_); }
-    Hasher(const Hasher&) = delete;
-    Hasher& operator=(const Hasher&) = delete;
+    SceneHasher() : state_(XXH64_createState()) { XXH64_reset(state_, 0); }
+    ~SceneHasher() { XXH64_freeState(state_); }
+    SceneHasher(const SceneHasher&) = delete;
+    SceneHasher& operator=(const SceneHasher&) = delete;
 
     void word(std::uint32_t value) { words_.push_back(value); }
     void count(std::uint64_t value) {
@@ -253,7 +253,7 @@ void validate_and_repair(Scene& scene) {
 }
 
 std::uint64_t fingerprint(const Scene& scene) {
-    Hasher hash;
+    SceneHasher hash;
     hash.array(scene.vertices);
     hash.array(scene.normals);
     hash.array(scene.triangles);

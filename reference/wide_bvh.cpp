@@ -13,12 +13,12 @@ std::size_t bytes_of(const std::vector<T>& values) {
 }
 
 /// A streaming hash; lengths are hashed too, so that no two layouts run into each other.
-class Hasher {
+class BvhHasher {
  public:
-    Hasher() : state_(XXH3_createState()) { XXH3_64bits_reset(state_); }
-    ~Hasher() { XXH3_freeState(state_); }
-    Hasher(const Hasher&) = delete;
-    Hasher& operator=(const Hasher&) = delete;
+    BvhHasher() : state_(XXH3_createState()) { XXH3_64bits_reset(state_); }
+    ~BvhHasher() { XXH3_freeState(state_); }
+    BvhHasher(const BvhHasher&) = delete;
+    BvhHasher& operator=(const BvhHasher&) = delete;
 
     void add(const void* data, std::size_t bytes) { XXH3_64bits_update(state_, data, bytes); }
     template <typename T>
@@ -38,7 +38,7 @@ template <int Width>
 constexpr std::size_t kBytesOfFields = offsetof(WideNode<Width>, high) + sizeof(float[3]);
 
 template <int Width>
-void add_inner(Hasher& hasher, const std::vector<WideNode<Width>>& inner) {
+void add_inner(BvhHasher& hasher, const std::vector<WideNode<Width>>& inner) {
     const std::uint64_t size = inner.size();
     hasher.add(&size, sizeof size);
     for (const WideNode<Width>& node : inner) hasher.add(&node, kBytesOfFields<Width>);
@@ -52,7 +52,7 @@ std::uint32_t WideBvh::inner_count() const {
 }
 
 std::uint64_t fingerprint(const WideBvh& bvh) {
-    Hasher hasher;
+    BvhHasher hasher;
     hasher.add(&bvh.width, sizeof bvh.width);
     std::visit([&](const auto& nodes) { add_inner(hasher, nodes); }, bvh.inner);
     hasher.add_all(bvh.leaves);

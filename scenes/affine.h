@@ -10,6 +10,8 @@ namespace scotty::scenes {
 
 using Point = std::array<double, 3>;
 
+constexpr double kDegree = 3.14159265358979323846 / 180.0;  ///< in radians
+
 inline reference::Vec3 rounded(const Point& p) {
     return {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "reference/error.h"
+#include "scenes/affine.h"
 #include "scenes/built_in.h"
 #include "scenes/mesh.h"
 
@@ -11,17 +12,11 @@ namespace scotty::scenes {
 
 namespace {
 
-using Point = std::array<double, 3>;
-
 constexpr double kTwoPi = 6.283185307179586;
 constexpr double kCoilRadius = 0.55;
 constexpr double kTubeRadius = 0.055;
 constexpr double kBottom = 0.12;
 constexpr double kTop = 1.45;
-
-Vec3 rounded(const Point& p) {
-    return {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
-}
 
 /// A closed tube around a helix with a vertical axis: rings of `sides` vertices, a fan at each end.
 void add_tube(reference::Scene& scene, double turns, std::uint32_t segments, std::uint32_t sides,

@@ -9,8 +9,6 @@ using reference::Light;
 
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
-
 /// A light's colour times its intensity, where the latter is given.
 Vec3 radiance_of(const ColladaDocument& document, pugi::xml_node light) {
     const pugi::xml_node element = light.child("color");

@@ -4,8 +4,6 @@ namespace scotty::scenes {
 
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
-
 Affine from_matrix(const ColladaDocument& document, pugi::xml_node element, bool lenient,
                    Notes& notes) {
     std::vector<double> values = document.numbers(element);

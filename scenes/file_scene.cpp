@@ -17,8 +17,6 @@ using reference::Scene;
 
 namespace {
 
-const Vec3 kZero(0.0f, 0.0f, 0.0f);
-
 /// How far off a light's plane a triangle may lie and still be its visible side, as a share of the
 /// light's longer edge.
 constexpr float kPlaneTolerance = 0.02f;
@@ -57,7 +55,8 @@ std::uint32_t light_of(const Scene& scene, const std::array<std::uint32_t, 3>& t
 Vec3 front_of(const Scene& scene, const std::array<std::uint32_t, 3>& triangle) {
     const Vec3& a = scene.vertices[triangle[0]];
     return normalize_or(
-        reference::cross(scene.vertices[triangle[1]] - a, scene.vertices[triangle[2]] - a), kZero);
+        reference::cross(scene.vertices[triangle[1]] - a, scene.vertices[triangle[2]] - a),
+        Vec3(0.0f));
 }
 
 /// Turns a triangle over; its vertices become flat copies, because shared normals would be wrong.

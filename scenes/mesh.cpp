@@ -16,8 +16,6 @@ using reference::Scene;
 
 namespace {
 
-const Vec3 kZero(0.0f, 0.0f, 0.0f);
-
 Light area_light(LightKind kind, const Vec3& corner, const Vec3& edge_x, const Vec3& edge_y,
                  const Vec3& radiance) {
     const Vec3 area = cross(edge_x, edge_y);
@@ -26,7 +24,7 @@ Light area_light(LightKind kind, const Vec3& corner, const Vec3& edge_x, const V
     light.position = corner;
     light.edge_x = edge_x;
     light.edge_y = edge_y;
-    light.normal = normalize_or(area, kZero);
+    light.normal = normalize_or(area, Vec3(0.0f));
     light.radiance = radiance;
     light.area = reference::length(area) * (kind == LightKind::triangle ? 0.5f : 1.0f);
     return light;
@@ -103,7 +101,7 @@ Light point_light(const Vec3& position, const Vec3& intensity) {
 Light directional_light(const Vec3& direction, const Vec3& irradiance) {
     Light light;
     light.kind = LightKind::directional;
-    light.normal = normalize_or(direction, kZero);
+    light.normal = normalize_or(direction, Vec3(0.0f));
     light.radiance = irradiance;
     return light;
 }
@@ -140,7 +138,7 @@ void smooth_normals(Scene& scene, std::size_t first_vertex, std::size_t first_tr
         for (const std::uint32_t vertex : {a, b, c}) scene.normals[vertex] += doubled_area;
     }
     for (std::size_t i = first_vertex; i < scene.normals.size(); ++i) {
-        scene.normals[i] = normalize_or(scene.normals[i], kZero);
+        scene.normals[i] = normalize_or(scene.normals[i], Vec3(0.0f));
     }
 }
 
@@ -155,8 +153,8 @@ reference::Camera look_at(const Vec3& position, const Vec3& target, const Vec3& 
                           float tan_half_fov) {
     reference::Camera camera;
     camera.position = position;
-    camera.forward = normalize_or(target - position, kZero);
-    camera.right = normalize_or(cross(camera.forward, up), kZero);
+    camera.forward = normalize_or(target - position, Vec3(0.0f));
+    camera.right = normalize_or(cross(camera.forward, up), Vec3(0.0f));
     camera.up = cross(camera.right, camera.forward);
     camera.tan_half_fov = tan_half_fov;
     if (reference::is_zero(camera.right)) {
