@@ -54,6 +54,13 @@ class PlyChecker {
                                          [](const Element& e) { return e.name == "vertex"; });
         if (vertex == elements_.end() || vertex->count == 0) fail("header", "no vertices");
         vertices_ = vertex->count;
+        for (const char* name : {"x", "y", "z"}) {
+            const auto times = std::count_if(
+                vertex->properties.begin(), vertex->properties.end(),
+                [&](const Property& p) { return p.name == name && p.count_type.empty(); });
+            if (times != 1)
+                fail("header", fmt::format("vertex: expected one '{}', found {}", name, times));
+        }
         for (const Element& element : elements_) {
             if (element.properties.empty()) continue;
             for (std::uint64_t i = 0; i < element.count; ++i) check_element(element, i);
@@ -84,6 +91,8 @@ class PlyChecker {
                 elements_.push_back(element);
             } else if (key == "property") {
                 read_property(words, line);
+            } else if (!key.empty() && key != "ply" && key != "comment" && key != "obj_info") {
+                fail("header", fmt::format("not understood: '{}'", line));
             }
         }
         if (format_ != "ascii" && format_ != "binary_little_endian" &&
@@ -120,6 +129,7 @@ class PlyChecker {
             const double count = read(property.count_type, element, number);
             if (!(count >= 0.0)) fail(where(), "a negative list length");
             const bool is_face = property.name.rfind("vertex_ind", 0) == 0;
+            if (is_face && count < 1.0) fail(where(), "a face without corners");
             for (double k = 0; k < count; ++k) {
                 const double index = read(property.type, element, number);
                 if (!is_face || (index >= 0.0 && index < static_cast<double>(vertices_))) continue;

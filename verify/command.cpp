@@ -64,8 +64,12 @@ std::string join(int argc, char** argv) {
     return line;
 }
 
-int run(int argc, char** argv) {
-    CLI::App app("CUDA-Scotty: a breadth-first path tracer and the suite that verifies it.");
+}  // namespace
+
+std::variant<Action, int> read_command_line(int argc, char** argv) {
+    const auto kept = std::make_shared<CLI::App>(
+        "CUDA-Scotty: a breadth-first path tracer and the suite that verifies it.");
+    CLI::App& app = *kept;
     app.name("scotty");
     app.footer(kFooter);
     app.set_version_flag("--version", "scotty " SCOTTY_VERSION);
@@ -91,10 +95,8 @@ int run(int argc, char** argv) {
         spdlog::error("{}", complaint(app, error, argc > 1 ? argv[1] : nullptr));
         return kExitUsage;
     }
-    return action();
+    return [kept, action] { return action(); };  // options are asked for what they were given
 }
-
-}  // namespace
 
 void print_result(const std::string& text) {
     std::cout << text;
@@ -109,7 +111,9 @@ int run_command(int argc, char** argv) {
         auto logger = spdlog::get("scotty");
         spdlog::set_default_logger(logger ? logger : spdlog::stderr_color_mt("scotty"));
         spdlog::set_pattern("scotty: %^%l%$: %v");
-        return run(argc, argv);
+        const auto read = read_command_line(argc, argv);
+        const auto* action = std::get_if<Action>(&read);
+        return action != nullptr ? (*action)() : std::get<int>(read);
     } catch (const reference::Error& error) {
         spdlog::error("{}", error.what());
         return exit_code_of(error.kind());

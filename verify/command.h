@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
+#include <variant>
 
 namespace scotty::verify {
 
@@ -28,6 +29,10 @@ void add_replay_command(CLI::App& app, Action& action);
 void add_trace_command(CLI::App& app, Action& action);
 void add_golden_command(CLI::App& app, Action& action);
 void add_queues_command(CLI::App& app, Action& action);
+
+/// Reads a whole command line and carries nothing out: the action, or the exit code where it ends
+/// here (help, or a complaint, which has been printed). May throw reference::Error.
+std::variant<Action, int> read_command_line(int argc, char** argv);
 
 /// What main() does; also sets up logging. Never throws.
 int run_command(int argc, char** argv);

@@ -15,6 +15,7 @@
 #include "verify/options.h"
 #include "verify/progress.h"
 #include "verify/report.h"
+#include "verify/write_file.h"
 
 namespace scotty::verify {
 namespace {

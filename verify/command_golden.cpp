@@ -13,6 +13,7 @@
 #include "verify/options.h"
 #include "verify/progress.h"
 #include "verify/report.h"
+#include "verify/write_file.h"
 
 namespace scotty::verify {
 namespace {

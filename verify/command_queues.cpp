@@ -14,6 +14,7 @@
 #include "verify/queues_trace.h"
 #include "verify/queues_view.h"
 #include "verify/report.h"
+#include "verify/write_file.h"
 
 namespace scotty::verify {
 namespace {

@@ -17,6 +17,7 @@
 #include "verify/report.h"
 #include "verify/verify.h"
 #include "verify/verify_golden.h"
+#include "verify/write_file.h"
 
 namespace scotty::verify {
 namespace {

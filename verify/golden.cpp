@@ -11,7 +11,7 @@
 #include "reference/path_tracer.h"
 #include "verify/capture_format.h"
 #include "verify/npy.h"
-#include "verify/report.h"
+#include "verify/write_file.h"
 
 namespace scotty::verify {
 

@@ -19,6 +19,7 @@
 #include "verify/pipeline_image.h"
 #include "verify/report.h"
 #include "verify/temporary_capture.h"
+#include "verify/write_file.h"
 
 namespace scotty::verify {
 

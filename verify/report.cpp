@@ -3,10 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <system_error>
 
 #include "reference/error.h"
 
@@ -280,29 +277,6 @@ nlohmann::json to_json(const Report& report) {
             {"scenes", scenes},
             {"false_alarm", report.false_alarm},
             {"images", images}};
-}
-
-void write_file(const std::string& path, const std::string& text) {
-    namespace fs = std::filesystem;
-    const fs::path target(path);
-    std::error_code error;
-    if (target.has_parent_path()) fs::create_directories(target.parent_path(), error);
-    const std::string unfinished = path + ".unfinished";
-    {
-        std::ofstream file(unfinished, std::ios::binary);
-        file << text;
-        file.close();
-        if (!file) {
-            fs::remove(unfinished, error);
-            throw reference::Error::bad_input(path, "cannot be written");
-        }
-    }
-    fs::rename(unfinished, target, error);
-    if (error) {
-        const std::string why = error.message();
-        fs::remove(unfinished, error);
-        throw reference::Error::bad_input(path, "cannot be written: " + why);
-    }
 }
 
 }  // namespace scotty::verify

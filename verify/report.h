@@ -90,8 +90,4 @@ std::string to_junit(const Report& report);
 /// One file, no network: verdicts, failures, and images to be looked into (verify/page/).
 std::string to_html(const Report& report);
 
-/// Writes a whole file, or throws bad_input naming it. Creates its folder; never leaves half a
-/// file.
-void write_file(const std::string& path, const std::string& text);
-
 }  // namespace scotty::verify

@@ -10,6 +10,7 @@
 
 #include "tests/verify/capture_tools.h"
 #include "tests/verify/report_pages.h"
+#include "verify/write_file.h"
 
 namespace {
 

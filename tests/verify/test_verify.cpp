@@ -13,6 +13,7 @@
 #include "scenes/scenes.h"
 #include "verify/report.h"
 #include "verify/verify.h"
+#include "verify/write_file.h"
 
 namespace {
 
