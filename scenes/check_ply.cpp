@@ -72,34 +72,46 @@ class PlyChecker {
         throw Error::bad_input(path_ + ": " + where, what);
     }
 
+    /// Strict: of a header that it half understands assimp makes what it likes, or no end.
     void read_header() {
-        if (bytes_.rfind("ply", 0) != 0) fail("header", "expected a PLY file ('ply' first)");
-        const std::size_t mark = bytes_.find("end_header");
-        if (mark == std::string::npos) fail("header", "no end_header (truncated?)");
-        at_ = std::min(bytes_.find('\n', mark), bytes_.size() - 1) + 1;
-        std::istringstream header(bytes_.substr(0, mark));
-        std::string line;
-        while (std::getline(header, line)) {
-            std::istringstream words(line);
-            std::string key;
-            words >> key;
-            if (key == "format") {
-                words >> format_;
-            } else if (key == "element") {
-                Element element;
-                if (!(words >> element.name >> element.count)) fail("header", line);
-                elements_.push_back(element);
-            } else if (key == "property") {
-                read_property(words, line);
-            } else if (!key.empty() && key != "ply" && key != "comment" && key != "obj_info") {
-                fail("header", fmt::format("not understood: '{}'", line));
-            }
+        if (next_line() != "ply") fail("header", "expected a PLY file ('ply' first)");
+        while (true) {
+            if (at_ >= bytes_.size()) fail("header", "no end_header (truncated?)");
+            const std::string line = next_line();
+            if (line == "end_header") break;
+            read_header_line(line);
         }
         if (format_ != "ascii" && format_ != "binary_little_endian" &&
             format_ != "binary_big_endian") {
             fail("header", fmt::format("format: expected ascii, binary_little_endian or "
                                        "binary_big_endian, found '{}'",
                                        format_));
+        }
+    }
+
+    /// Without its end; the file's end is a line's, too.
+    std::string next_line() {
+        const std::size_t end = std::min(bytes_.find('\n', at_), bytes_.size());
+        std::string line = bytes_.substr(at_, end - at_);
+        at_ = std::min(end + 1, bytes_.size());
+        if (!line.empty() && line.back() == '\r') line.pop_back();
+        return line;
+    }
+
+    void read_header_line(const std::string& line) {
+        std::istringstream words(line);
+        std::string key;
+        words >> key;
+        if (key == "format") {
+            words >> format_;
+        } else if (key == "element") {
+            Element element;
+            if (!(words >> element.name >> element.count)) fail("header", line);
+            elements_.push_back(element);
+        } else if (key == "property") {
+            read_property(words, line);
+        } else if (key != "comment" && key != "obj_info") {
+            fail("header", fmt::format("not understood: '{}'", line));
         }
     }
 

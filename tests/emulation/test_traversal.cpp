@@ -11,6 +11,7 @@
 #include "emulation/traversal.h"
 #include "reference/tracers.h"
 #include "tests/emulation/renders.h"
+#include "tests/reference/hard_cases.h"
 #include "tests/reference/meshes.h"
 
 using namespace scotty::emulation;
@@ -46,6 +47,22 @@ Scene stack(std::uint32_t count) {
         add_triangle(scene, Vec3(-1, -1, z), Vec3(1, -1, z), Vec3(0, 1, z));
     }
     return scene;
+}
+
+PipelineParameters random_parameters(std::mt19937& random) {
+    const auto below = [&](std::uint32_t end) {
+        return static_cast<std::uint32_t>(random() % end);
+    };
+    PipelineParameters p;
+    p.width = 2 << below(4);
+    p.rays_per_block = static_cast<int>(32 * (1 + below(32)));
+    p.max_leaf_size = static_cast<int>(1 + below(64));
+    p.early_out = static_cast<EarlyOut>(below(3));
+    p.block_order = static_cast<BlockOrder>(below(2));
+    p.hit_mode = static_cast<HitMode>(below(2));
+    p.hit_capacity = 1 + below(8);
+    p.batch_rays = below(2) == 0 ? 1 + below(400) : 1u << 16;
+    return p;
 }
 
 PipelineParameters one_triangle_leaves() {
@@ -106,15 +123,7 @@ TEST_CASE("trace: equals brute force bit for bit, whatever the parameters",
             if (below(20) == 0) ray = dead_ray();
             if (below(10) == 0) ray.direction = Vec3(0, below(2) == 0 ? 1.0f : -1.0f, 0);
         }
-        PipelineParameters p;
-        p.width = 2 << below(4);
-        p.rays_per_block = static_cast<int>(32 * (1 + below(32)));
-        p.max_leaf_size = static_cast<int>(1 + below(64));
-        p.early_out = static_cast<EarlyOut>(below(3));
-        p.block_order = static_cast<BlockOrder>(below(2));
-        p.hit_mode = static_cast<HitMode>(below(2));
-        p.hit_capacity = 1 + below(8);
-        p.batch_rays = below(2) == 0 ? 1 + below(400) : 1u << 16;
+        const PipelineParameters p = random_parameters(random);
         const DeviceOptions device{1 + below(2), static_cast<ScheduleKind>(below(4)), seed};
         const std::vector<Hit> exact = brute_force(scene, rays);
         RC_ASSERT(same_bits(trace(scene, rays, p, TraversalKind::closest, nullptr, device), exact));
@@ -122,6 +131,21 @@ TEST_CASE("trace: equals brute force bit for bit, whatever the parameters",
         const std::vector<Hit> any = trace(scene, rays, p, TraversalKind::any, nullptr, device);
         for (std::size_t i = 0; i < rays.size(); ++i) RC_ASSERT(is_hit(any[i]) == is_hit(exact[i]));
     });
+}
+
+TEST_CASE("trace: equals brute force bit for bit on scenes that are hard on it",
+          "[emulation][traversal]") {
+    using namespace scotty::reference::test;
+    for (std::uint32_t kind = 0; kind < kHardScenes; ++kind) {
+        rc::prop("random hard scenes and parameters", [kind](std::uint32_t seed) {
+            Random random(seed);
+            Scene scene = hard_scene(static_cast<HardScene>(kind), 1 + random() % 200, random);
+            validate_and_repair(scene);
+            const std::vector<Ray> rays = hard_rays(scene, 1 + random() % 300, random);
+            const std::vector<Hit> exact = brute_force(scene, rays);
+            RC_ASSERT(same_bits(trace(scene, rays, random_parameters(random)), exact));
+        });
+    }
 }
 
 TEST_CASE("trace: leaves of coincident triangles, larger than a leaf may be, give the lowest id",

@@ -12,116 +12,13 @@
 #include "reference/intersect_triangle.h"
 #include "reference/tracers.h"
 #include "reference/wide_bvh.h"
+#include "tests/reference/hard_cases.h"
 #include "tests/reference/meshes.h"
 
 using namespace scotty::reference;
 using namespace scotty::reference::test;
 
 namespace {
-
-struct Box {
-    Vec3 low, high;
-};
-
-Box united(const Box& a, const Box& b) { return {min_of(a.low, b.low), max_of(a.high, b.high)}; }
-
-struct Triangle {
-    Vec3 v0, v1, v2;
-    Box box() const { return {min_of(min_of(v0, v1), v2), max_of(max_of(v0, v1), v2)}; }
-};
-
-/// One of the magnitudes that floats of scenes have, and a few that they should not.
-float random_scale(Random& random) {
-    static constexpr std::array<float, 9> kScales{1.0f,    1.0f,     1.0f,   1.0e-3f, 1.0e3f,
-                                                  1.0e-9f, 1.0e-30f, 1.0e9f, 3.0e11f};
-    return kScales[random() % kScales.size()];
-}
-
-/// Random, axis-parallel, with zeros of both signs, denormal or huge components.
-Vec3 hard_direction(Random& random) {
-    Vec3 direction = unit_vector(random);
-    for (int axis = 0; axis < 3; ++axis) {
-        switch (random() % 10) {
-            case 0:
-                direction[axis] = 0.0f;
-                break;
-            case 1:
-                direction[axis] = -0.0f;
-                break;
-            case 2:
-                direction[axis] *= 1.0e-41f;
-                break;
-            case 3:
-                direction[axis] *= 1.0e-12f;
-                break;
-            default:
-                break;
-        }
-    }
-    if (is_zero(direction)) direction[static_cast<int>(random() % 3)] = 1.0f;
-    if (random() % 16 == 0) direction *= random_scale(random);
-    return direction;
-}
-
-/// Plain triangles, needles, axis-aligned and zero-area ones.
-Triangle hard_triangle(Random& random) {
-    const float scale = random_scale(random);
-    Triangle t{scale * uniform3(random, -1, 1), scale * uniform3(random, -1, 1),
-               scale * uniform3(random, -1, 1)};
-    switch (random() % 6) {
-        case 0:
-            t.v2 = 0.5f * (t.v0 + t.v1) + 1.0e-6f * scale * uniform3(random, -1, 1);
-            break;
-        case 1:
-            t.v2 = 0.5f * (t.v0 + t.v1);
-            break;
-        case 2:
-            t.v0.z = t.v1.z = t.v2.z;
-            break;
-        case 3:
-            t.v1 = t.v0 + 1.0e-5f * (t.v1 - t.v0);
-            break;
-        case 4:
-            t.v2 = t.v1;
-            break;
-        default:
-            break;
-    }
-    return t;
-}
-
-/// Aimed at the triangle, its edges, its corners, or along its plane, from near or far.
-Ray hard_ray(Random& random, const Triangle& triangle) {
-    const float x = uniform(random, 0, 1);
-    const float y = uniform(random, 0, 1 - x);
-    const Vec3 edge_x = triangle.v1 - triangle.v0;
-    const Vec3 edge_y = triangle.v2 - triangle.v0;
-    std::array<Vec3, 4> targets{triangle.v0 + x * edge_x + y * edge_y, triangle.v0 + x * edge_x,
-                                triangle.v0, triangle.v2};
-    const Vec3& target = targets[random() % targets.size()];
-    const float size = max_abs(triangle.box().high - triangle.box().low);
-    Ray ray{target, 0.0f, hard_direction(random), kInfinity};
-    switch (random() % 5) {
-        case 0:
-            break;  // starts on the triangle
-        case 1:
-            ray.direction = x * edge_x + (y - 0.3f) * edge_y;
-            [[fallthrough]];  // edge-on
-        case 2:
-            ray.origin = target - size * ray.direction;
-            break;
-        case 3:
-            ray.origin = target - 1000.0f * size * ray.direction;
-            break;
-        default:
-            ray.origin = size * uniform3(random, -10, 10);
-            ray.direction = target - ray.origin;
-            break;
-    }
-    if (random() % 4 == 0) ray.direction = -ray.direction;
-    if (is_zero(ray.direction)) ray.direction = Vec3(0, 1, 0);
-    return ray;
-}
 
 /// A box around `inner`: the same, one that shares faces, a larger one or a huge one.
 Box enclosing(Random& random, const Box& inner) {
@@ -498,25 +395,17 @@ void check_traversal(const Scene& scene, const std::vector<Ray>& rays) {
 TEST_CASE("traversal: gives brute force's bits, also where triangles and rays are degenerate",
           "[reference][traversal]") {
     Random random(8);
-    Scene hard;
-    hard.name = "hard triangles";
-    for (int i = 0; i < 400; ++i) {
-        const Triangle t = hard_triangle(random);
-        add_triangle(hard, t.v0, t.v1, t.v2);
+    for (std::uint32_t kind = 0; kind < kHardScenes; ++kind) {
+        const Scene hard = hard_scene(static_cast<HardScene>(kind), 400, random);
+        const std::vector<Ray> rays = hard_rays(hard, 3000, random);
+        check_traversal<2>(hard, rays);
+        check_traversal<4>(hard, rays);
+        check_traversal<8>(hard, rays);
+        check_traversal<16>(hard, rays);
     }
-    std::vector<Ray> rays;
-    for (int i = 0; i < 8000; ++i) {
-        const auto& index = hard.triangles[random() % hard.triangles.size()];
-        rays.push_back(hard_ray(
-            random, {hard.vertices[index[0]], hard.vertices[index[1]], hard.vertices[index[2]]}));
-    }
-    check_traversal<2>(hard, rays);
-    check_traversal<4>(hard, rays);
-    check_traversal<8>(hard, rays);
-    check_traversal<16>(hard, rays);
 
     const Scene sphere = icosphere(3);
-    rays = random_rays(4000, 1.5f, 9);
+    std::vector<Ray> rays = random_rays(4000, 1.5f, 9);
     for (std::size_t i = 0; i < rays.size(); i += 2) {
         rays[i].direction = sphere.vertices[i % sphere.vertices.size()] - rays[i].origin;
     }
