@@ -115,7 +115,7 @@ TEST_CASE("trace: equals brute force bit for bit, whatever the parameters",
         p.hit_mode = static_cast<HitMode>(below(2));
         p.hit_capacity = 1 + below(8);
         p.batch_rays = below(2) == 0 ? 1 + below(400) : 1u << 16;
-        const DeviceOptions device{1 + below(2), static_cast<ScheduleKind>(below(4)), seed};
+        const DeviceOptions device{1 + below(2), static_cast<ScheduleKind>(below(6)), seed};
         const std::vector<Hit> exact = brute_force(scene, rays);
         RC_ASSERT(same_bits(trace(scene, rays, p, TraversalKind::closest, nullptr, device), exact));
         // An any-hit query says the same about whether there is a hit.
