@@ -1,9 +1,9 @@
 #include "emulation/simt/interleave/explorer.h"
 
 #include <algorithm>
-#include <map>
 #include <set>
 #include <string>
+#include <unordered_map>
 #include <utility>
 
 #include "emulation/simt/interleave/replayer.h"
@@ -15,10 +15,10 @@ namespace {
 
 constexpr std::uint32_t kMostBlocks = 64;
 
-/// Who has touched each word.
+/// Words in which blocks meet: two have touched it in one run, and one has changed it.
 class Meetings {
  public:
-    /// Whether this made the word one in which blocks meet.
+    void begin_run() { words_.clear(); }
     void note(std::uint32_t block, const Touch& touch) {
         for (std::uint32_t word = touch.first; word <= touch.last; ++word) {
             auto& [touched, changed] = words_[word];
@@ -34,7 +34,7 @@ class Meetings {
     std::size_t size() const { return meeting_.size(); }
 
  private:
-    std::map<std::uint32_t, std::pair<std::uint64_t, bool>> words_;
+    std::unordered_map<std::uint32_t, std::pair<std::uint64_t, bool>> words_;  ///< of this run
     std::set<std::uint32_t> meeting_;
 };
 
@@ -59,6 +59,7 @@ class Search final : public Chooser {
         }
         launch_ = {launch.kernel, launch.blocks, launch.threads, {}};
         depth_ = 0;
+        meetings_.begin_run();
         met_before_ = meetings_.size();
     }
     bool begins_all() const override { return !linear_; }

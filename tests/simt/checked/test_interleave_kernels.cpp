@@ -1,14 +1,15 @@
 /// Every kernel of gpu/ in few small blocks, in every order in which these can touch memory.
 #include <map>
-#include <set>
 
 #include "emulation/simt/cuda/cuda_runtime.h"
 #include "emulation/simt/interleave/replayer.h"
 #include "gpu/clear_traversal.h"
 #include "gpu/scan_counts.h"
+#include "tests/reference/meshes.h"
 #include "tests/simt/executor_tools.h"
 #include "tests/verify/capture_tools.h"
 #include "verify/canonical.h"
+#include "verify/failure.h"
 #include "verify/replay_inputs.h"
 #include "verify/simt/simt_interleave.h"
 
@@ -40,61 +41,104 @@ PipelineParameters few_rays(std::uint32_t width, std::uint32_t height) {
     return p;
 }
 
-/// By stage kind, the schedules of the stage in which most blocks met.
-struct Tally {
-    std::map<StageKind, std::uint64_t> exhausted;
-    std::map<StageKind, std::uint64_t> words;
+/// Of each stage kind the stage that took most schedules, all of them run.
+struct Exhausted {
+    std::string stage;
+    std::uint64_t schedules = 0;
+    std::uint64_t words = 0;
 };
+using Tally = std::map<std::string, Exhausted>;
 
-void explore_all(const PipelineParameters& p, const ExploreOptions& options,
-                 std::uint32_t most_blocks, Tally& tally) {
+/// Triangles behind each other that fill the picture, a leaf each: every ray is in every leaf.
+verify::PipelineInput stack_input(const PipelineParameters& p, int triangles) {
+    verify::PipelineInput input;
+    input.scene.name = "stack";
+    input.scene.materials.emplace_back();
+    for (int i = 0; i < triangles; ++i) {
+        const auto z = static_cast<float>(-2 - i);
+        reference::test::add_triangle(input.scene, {-90.0f, -90.0f, z}, {90.0f, -90.0f, z},
+                                      {0.0f, 90.0f, z});
+    }
+    input.parameters = p;
+    input.bvh = build_wide_bvh(input.scene, {p.width, p.max_leaf_size, 1});
+    return input;
+}
+
+/// All stages of a tiny run that have 2 to 4 blocks.
+void explore_all(const verify::PipelineInput& input, const ExploreOptions& options, Tally& tally,
+                 const std::string& pattern, const std::string& kind = "") {
     const TemporaryFolder folder;
-    const verify::Capture capture = make_capture(folder / "c", p);
-    const verify::PipelineInput input = spheres_input(p);
+    {
+        verify::CaptureWriter writer(
+            folder / "c", verify::header_of("emulator", input.scene, input.bvh, input.parameters),
+            {});
+        verify::write_pipeline_input(writer.input_folder(), input.scene, input.bvh,
+                                     input.parameters);
+        emulation::Pipeline(input.scene, input.bvh, input.parameters, {1}, &writer).render();
+        writer.finish();
+    }
+    const verify::Capture capture = verify::Capture::open(folder / "c");
     for (const verify::StageRecord& record : capture.stages()) {
-        if (record.blocks < 2 || record.blocks > most_blocks) continue;
-        if (tally.words[record.kind] != 0 || tally.exhausted[record.kind] > 100) continue;
+        if (record.blocks < 2 || record.blocks > 4) continue;
+        if (!verify::stage_matches(pattern, record.name)) continue;
         const Exploration all = explore_stage(capture, record, input, options);
         INFO(record.name << " in " << record.blocks << " blocks: " << all.schedules
                          << " schedules, blocks meet in " << all.words << " words");
         CHECK_FALSE(all.failing.has_value());
-        if (!all.complete) continue;
-        tally.exhausted[record.kind] += all.schedules;
-        tally.words[record.kind] = all.words;
+        Exhausted& most = tally[kind.empty() ? to_string(record.kind) : kind];
+        if (all.complete && all.schedules > most.schedules) {
+            most = {record.name, all.schedules, all.words};
+        }
     }
 }
 
 TEST_CASE("interleaving: the kernels of gpu/ give one outcome in every order of few small blocks",
           "[simt][interleave][kernels]") {
     Tally tally;
-    explore_all(few_rays(8, 8), {{}, 400}, 4, tally);  // two blocks at the root
-    explore_all(few_rays(2, 1), {{}, 400}, 4, tally);  // few rays, in several leaves
-    PipelineParameters shading = few_rays(24, 23);     // three blocks of 256 paths
+    // Two blocks at the root, and of its children.
+    explore_all(spheres_input(few_rays(8, 8)), {{}, 200}, tally, "bounce0/level*");
+    // Leaves: hits of one ray gathered, and its minimum lowered, by several blocks.
+    PipelineParameters leaves = few_rays(1, 1);
+    leaves.width = 4;
+    leaves.max_leaf_size = 1;
+    leaves.early_out = reference::EarlyOut::level;
+    explore_all(stack_input(leaves, 2), {{}, 2000}, tally, "bounce0/level1/intersect", "leaves");
+    leaves.early_out = reference::EarlyOut::off;
+    explore_all(stack_input(leaves, 3), {{}, 2000}, tally, "bounce0/level1/intersect", "counts");
+    leaves.hit_mode = reference::HitMode::packed;
+    explore_all(stack_input(leaves, 3), {{}, 2000}, tally, "bounce0/level1/intersect", "packed");
+    PipelineParameters shading = few_rays(24, 23);  // three blocks of 256 paths
     shading.filter = reference::Filter::median;
     shading.filter_threshold = 2;
     shading.early_out = reference::EarlyOut::level;
-    explore_all(shading, {{}, 400}, 4, tally);
-    for (const StageKind kind :
-         {StageKind::primary_rays, StageKind::intersect_root, StageKind::intersect,
-          StageKind::publish_minimum, StageKind::merge_intersections, StageKind::direct_light_rays,
-          StageKind::resolve_light, StageKind::scene_rays, StageKind::reconstruct_image,
-          StageKind::filter}) {
-        INFO(to_string(kind) << ": " << tally.exhausted[kind] << " schedules, " << tally.words[kind]
-                             << " words");
-        CHECK(tally.exhausted[kind] >= 1);
+    for (const char* stages :
+         {"primary_rays", "bounce0/level0/publish_minimum", "bounce0/merge*", "bounce0/scene*",
+          "bounce0/light0/direct*", "bounce0/light0/resolve*", "reconstruct_image", "filter*"}) {
+        explore_all(spheres_input(shading), {{}, 200}, tally, stages);
+    }
+    for (const auto& [kind, most] : tally) {
+        WARN(kind << ": " << most.stage << ", " << most.schedules << " schedules, blocks meet in "
+                  << most.words << " words");
+    }
+    for (const char* kind : {"primary_rays", "intersect_root", "intersect", "leaves",
+                             "publish_minimum", "merge_intersections", "direct_light_rays",
+                             "resolve_light", "scene_rays", "reconstruct_image", "filter"}) {
+        INFO(kind);
+        CHECK(tally[kind].schedules >= 1);
     }
     // Where blocks meet, there is more than one order.
-    CHECK(tally.words[StageKind::intersect_root] >= 1);
-    CHECK(tally.exhausted[StageKind::intersect_root] > 1);
-    CHECK(tally.words[StageKind::intersect] >= 1);
-    CHECK(tally.exhausted[StageKind::intersect] > 1);
+    for (const char* kind : {"intersect_root", "intersect", "leaves", "counts", "packed"}) {
+        INFO(kind << ", " << tally[kind].stage);
+        CHECK(tally[kind].words >= 1);
+        CHECK(tally[kind].schedules > 1);
+    }
 }
 
-TEST_CASE("interleaving: more blocks of the level kernels, with at most two preemptions",
+TEST_CASE("interleaving: more orders of the level kernel, with at most two preemptions",
           "[simt][interleave][kernels]") {
     Tally tally;
-    explore_all(few_rays(16, 10), {2u, 400}, 8, tally);
-    CHECK(tally.exhausted[StageKind::intersect_root] > 1);
+    explore_all(spheres_input(few_rays(12, 8)), {2u, 1000}, tally, "bounce0/level0/intersect_root");
+    CHECK(tally["intersect_root"].schedules > 6);
 }
 
 }  // namespace
