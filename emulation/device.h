@@ -3,7 +3,7 @@
 /// Volume tier (docs/design.md): a kernel is a function of one Block. Blocks run in parallel and in
 /// any order; inside a block every thread finishes a phase before any starts the next, which is
 /// what a barrier means. Shared memory is an object on the worker's stack; atomics on global
-/// memory are real atomics (atomics.h).
+/// memory are real atomics (atomics.h). In the checked build every access is watched (watch.h).
 #pragma once
 
 #include <oneapi/tbb/blocked_range.h>
@@ -15,29 +15,41 @@
 #include <cstdint>
 #include <vector>
 
+#include "emulation/schedule.h"
+#include "emulation/watch.h"
+
 namespace scotty::emulation {
 
-/// Threads a block may have, as on every CUDA device.
-constexpr std::uint32_t kMaxThreads = 1024;
-
-/// In which order the blocks of a launch start.
-enum class ScheduleKind { free, linear, reversed, shuffled };
-
-struct DeviceOptions {
-    std::size_t threads = 0;  ///< worker threads; 0: all of the machine
-    /// free: TBB decides. The others run one block after the other in the stated order.
-    ScheduleKind schedule = ScheduleKind::free;
-    std::uint64_t schedule_seed = 0;  ///< for shuffled
-};
-
-/// One value per thread of a block that lives across phases: what a register is on the device.
-/// Uninitialised, as registers are. One cache line longer than it needs: arrays a page apart would
-/// all fall into the same sets of the first-level cache.
+/// One value per thread of a block that lives across phases: what a register is on the device. Only
+/// its own thread may touch it; what threads hand to each other is Shared. Uninitialised, as
+/// registers are. One cache line longer than it needs: arrays a page apart would all fall into the
+/// same sets of the first-level cache.
 template <class T>
 struct PerThread {
     alignas(64) T values[kMaxThreads + 64 / sizeof(T)];
-    T& operator[](std::uint32_t thread) { return values[thread]; }
-    const T& operator[](std::uint32_t thread) const { return values[thread]; }
+    T& operator[](std::uint32_t thread) {
+        Watch::own_register(thread);
+        return values[thread];
+    }
+    const T& operator[](std::uint32_t thread) const {
+        Watch::own_register(thread);
+        return values[thread];
+    }
+};
+
+/// Shared memory of a block, which its threads may hand values through from phase to phase:
+/// SCOTTY_SHARED of the CUDA kernels. Declared in the kernel, uninitialised; `name` is for reports.
+template <class T, std::uint32_t Count = kMaxThreads>
+class Shared {
+ public:
+    explicit Shared(const char* name) : memory_(name) {}
+    Shared(const Shared&) = delete;
+    Shared& operator=(const Shared&) = delete;
+    T& operator[](std::uint32_t index) { return memory_.values[index]; }
+    const T& operator[](std::uint32_t index) const { return memory_.values[index]; }
+
+ private:
+    WatchedShared<T, Count> memory_;
 };
 
 /// What a kernel sees of its place in the grid.
@@ -50,10 +62,17 @@ class Block {
     std::uint32_t global_thread(std::uint32_t thread) const { return index_ * threads_ + thread; }
 
     /// A phase: `body(thread)` for the first `active` threads; the others idle to the barrier that
-    /// ends it. Threads of one phase must not depend on each other (loops may vectorise).
+    /// ends it. Threads of one phase must not depend on each other (loops may vectorise), and
+    /// nothing is handed from one to the next but through the three below.
     template <class Body>
     void phase(std::uint32_t active, Body&& body) const {
-        for (std::uint32_t thread = 0; thread < active; ++thread) body(thread);
+        Watch::begin_phase();
+        for (std::uint32_t i = 0; i < active; ++i) {
+            const std::uint32_t thread = Watch::turn(i, active);
+            Watch::begin_thread(thread);
+            body(thread);
+        }
+        Watch::end_phase();
     }
     template <class Body>
     void phase(Body&& body) const {
@@ -62,7 +81,28 @@ class Block {
     /// A phase in which only thread 0 works.
     template <class Body>
     void phase_thread_zero(Body&& body) const {
+        Watch::begin_phase();
         body();
+        Watch::end_phase();
+    }
+    /// Threads take turns in ascending order, each with a barrier before and behind it: a running
+    /// total may go from one to the next. What a scan or a ballot is on the device.
+    template <class Body>
+    void phase_in_order(std::uint32_t active, Body&& body) const {
+        Watch::begin_phase();
+        for (std::uint32_t thread = 0; thread < active; ++thread) {
+            Watch::begin_thread(thread);
+            body(thread);
+            Watch::end_turn();
+        }
+        Watch::end_phase();
+    }
+    /// How many of the first `active` threads say yes: __syncthreads_count.
+    template <class Predicate>
+    std::uint32_t count(std::uint32_t active, Predicate&& predicate) const {
+        std::uint32_t total = 0;
+        phase(active, [&](std::uint32_t thread) { total += predicate(thread) ? 1u : 0u; });
+        return total;
     }
 
  private:
@@ -78,19 +118,24 @@ class Device {
     /// Runs `kernel(Block)` for every block and returns when all are done.
     template <class Kernel>
     void launch(std::uint32_t blocks, std::uint32_t threads, Kernel&& kernel) {
-        if (options_.schedule != ScheduleKind::free) {
-            for (const std::uint32_t index : block_order(blocks)) kernel(Block(index, threads));
-            return;
+        const Schedule schedule{options_.schedule, options_.schedule_seed};
+        watch_.begin_launch(threads, schedule, ++launches_);
+        const auto run = [&](std::uint32_t index) {
+            const Watch::InBlock watched(watch_, index, threads);
+            kernel(Block(index, threads));
+        };
+        if (schedule.kind != ScheduleKind::free) {
+            for (const std::uint32_t index : block_order(schedule, launches_, blocks)) run(index);
+        } else {
+            arena_.execute([&] {
+                oneapi::tbb::parallel_for(
+                    oneapi::tbb::blocked_range<std::uint32_t>(0, blocks, grain(threads)),
+                    [&](const oneapi::tbb::blocked_range<std::uint32_t>& range) {
+                        for (std::uint32_t i = range.begin(); i != range.end(); ++i) run(i);
+                    });
+            });
         }
-        arena_.execute([&] {
-            oneapi::tbb::parallel_for(
-                oneapi::tbb::blocked_range<std::uint32_t>(0, blocks, grain(threads)),
-                [&](const oneapi::tbb::blocked_range<std::uint32_t>& range) {
-                    for (std::uint32_t i = range.begin(); i != range.end(); ++i) {
-                        kernel(Block(i, threads));
-                    }
-                });
-        });
+        watch_.end_launch();
     }
 
     /// Runs one thread per item in blocks of 256: `kernel(item)`.
@@ -104,16 +149,19 @@ class Device {
         });
     }
 
+    /// For DeviceBuffer.
+    Watch& watch() { return watch_; }
+
  private:
     /// Blocks a worker takes at once: about a thousand threads' work.
     static std::uint32_t grain(std::uint32_t threads) {
         return std::max<std::uint32_t>(1, 1024 / threads);
     }
-    std::vector<std::uint32_t> block_order(std::uint32_t blocks);
 
     DeviceOptions options_;
-    std::uint64_t launches_ = 0;  ///< so that a shuffled schedule differs from launch to launch
+    std::uint64_t launches_ = 0;  ///< so that a schedule differs from launch to launch
     oneapi::tbb::task_arena arena_;
+    Watch watch_;
 };
 
 }  // namespace scotty::emulation

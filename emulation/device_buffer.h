@@ -1,24 +1,46 @@
 /// Global memory of the virtual device: grows, never shrinks, and is not initialised.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
-#include <memory>
 #include <span>
+
+#include "emulation/device.h"
+#include "emulation/watch.h"
 
 namespace scotty::emulation {
 
+/// The host writes through fill() and generate(): the checked build has to know what is written.
 template <class T>
 class DeviceBuffer {
  public:
+    DeviceBuffer() = default;  ///< of no device: nobody watches
+    /// `device` outlives it; `name` is what reports call it. In a buffer of `each_slot_once` a slot
+    /// is written once at most between two discard().
+    DeviceBuffer(Device& device, const char* name, BufferUse use = BufferUse::any)
+        : watch_(&device.watch()), name_(name), use_(use) {}
+
     /// At least `count` elements; what was in it is lost when it has to grow.
     void resize(std::size_t count) {
         if (count > capacity_) {
             memory_.reset();
-            memory_ = std::unique_ptr<T[]>(new T[count]);
+            memory_ = WatchedMemory<T>::allocate(watch_, count, name_, use_);
             capacity_ = count;
         }
         count_ = count;
     }
+    /// From here on nobody needs what is in it.
+    void discard() { WatchedMemory<T>::discard(watch_, memory_.get(), count_, use_); }
+    void fill(const T& value) {
+        generate([&](std::size_t) { return value; });
+    }
+    /// Element i becomes value(i).
+    template <class Value>
+    void generate(const Value& value) {
+        for (std::size_t i = 0; i < count_; ++i) memory_[i] = value(i);
+        WatchedMemory<T>::host_wrote(watch_, memory_.get(), count_);
+    }
+
     T* data() { return memory_.get(); }
     const T* data() const { return memory_.get(); }
     std::size_t size() const { return count_; }
@@ -29,7 +51,10 @@ class DeviceBuffer {
     std::span<T> span() { return {memory_.get(), count_}; }
 
  private:
-    std::unique_ptr<T[]> memory_;
+    Watch* watch_ = nullptr;
+    const char* name_ = "";
+    BufferUse use_ = BufferUse::any;
+    typename WatchedMemory<T>::Pointer memory_;
     std::size_t count_ = 0;
     std::size_t capacity_ = 0;
 };

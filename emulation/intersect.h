@@ -50,9 +50,9 @@ inline std::uint32_t find_node(const Block& block, const std::uint32_t* block_of
     while (length > 1) {
         const std::uint32_t step = (length + block.threads() - 1) / block.threads();
         const std::uint32_t probes = (length + step - 1) / step;
-        std::uint32_t passed = 0;  // how many threads found their probe at or before the block
-        block.phase(probes, [&](std::uint32_t thread) {
-            passed += block_offsets[low + thread * step] <= block_id ? 1u : 0u;
+        // How many threads found their probe at or before the block.
+        const std::uint32_t passed = block.count(probes, [&](std::uint32_t thread) {
+            return block_offsets[low + thread * step] <= block_id;
         });
         const std::uint32_t skipped = (passed - 1) * step;
         low += skipped;
@@ -150,9 +150,9 @@ void push_to_children(const Block& block, std::uint32_t count,
                       const LevelView& level) {
     for (std::uint32_t child = 0; child < Width; ++child) {
         if (node.child[child] == reference::kNone) continue;
-        PerThread<std::uint32_t> compacted;
+        Shared<std::uint32_t> compacted("compacted");
         std::uint32_t total = 0;
-        block.phase(count, [&](std::uint32_t thread) {
+        block.phase_in_order(count, [&](std::uint32_t thread) {
             compacted[total] = rays.id[thread];
             total += children[thread] >> child & 1u;
         });

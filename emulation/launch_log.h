@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "emulation/watch.h"
 #include "reference/launch_record.h"
 #include "reference/stage_observer.h"
 
@@ -20,6 +21,7 @@ class LaunchLog {
     template <class Launch>
     void timed(reference::StageKind kind, const StagePlace& place, std::uint32_t blocks,
                std::uint64_t items, Launch&& launch) {
+        Watch::name_launch(kind, place, records_.size());
         const auto begin = std::chrono::steady_clock::now();
         launch();
         const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;

@@ -98,11 +98,13 @@ class Pipeline::State {
     Traversal traversal_;
     bool several_batches_ = false;
 
-    DeviceBuffer<Ray> rays_, shadow_rays_;
-    DeviceBuffer<Vec3> throughput_, radiance_, potential_;
-    DeviceBuffer<std::uint32_t> pixel_, sample_, depth_, flags_;
-    DeviceBuffer<Hit> path_hits_, shadow_hits_;
-    std::vector<Vec3> image_, filtered_;
+    DeviceBuffer<Ray> rays_{device_, "rays"}, shadow_rays_{device_, "shadow rays"};
+    DeviceBuffer<Vec3> throughput_{device_, "throughput"}, radiance_{device_, "radiance"};
+    DeviceBuffer<Vec3> potential_{device_, "potential radiance"};
+    DeviceBuffer<std::uint32_t> pixel_{device_, "pixels"}, sample_{device_, "samples"};
+    DeviceBuffer<std::uint32_t> depth_{device_, "depths"}, flags_{device_, "flags"};
+    DeviceBuffer<Hit> path_hits_{device_, "path hits"}, shadow_hits_{device_, "shadow hits"};
+    DeviceBuffer<Vec3> image_{device_, "the image"}, filtered_{device_, "the filtered image"};
 };
 
 reference::Image Pipeline::State::render() {
@@ -111,7 +113,8 @@ reference::Image Pipeline::State::render() {
     const std::uint32_t pixels_at_once =
         std::max(1u, std::min(pixels, parameters_.batch_rays / samples));
     several_batches_ = pixels_at_once < pixels || samples < parameters_.spp;
-    image_.assign(pixels, Vec3(0.0f, 0.0f, 0.0f));
+    image_.resize(pixels);
+    image_.fill(Vec3(0.0f, 0.0f, 0.0f));
 
     StagePlace place;
     place.several_batches = several_batches_;
@@ -132,7 +135,8 @@ reference::Image Pipeline::State::render() {
     if (parameters_.filter != Filter::none && parameters_.spp < parameters_.filter_threshold) {
         launch_filter();
     }
-    return {parameters_.image_width, parameters_.image_height, image_};
+    return {parameters_.image_width, parameters_.image_height,
+            std::vector<Vec3>(image_.view().begin(), image_.view().end())};
 }
 
 void Pipeline::State::shade_vertex(StagePlace place) {
@@ -225,8 +229,7 @@ void Pipeline::State::launch_reconstruct(const StagePlace& place, const BatchVie
     show_paths(StageKind::reconstruct_image, place,
                {buffer_view("radiance", radiance_.view(), "light gathered by path"),
                 buffer_view("pixel", pixel_.view(), "y * width + x")},
-               {buffer_view("image", std::span<const Vec3>(image_), "radiance by pixel")},
-               batch.pixels);
+               {buffer_view("image", image_.view(), "radiance by pixel")}, batch.pixels);
 }
 
 void Pipeline::State::launch_filter() {
@@ -252,12 +255,11 @@ void Pipeline::State::launch_filter() {
     if (log_.wants(StageKind::filter)) {
         StageView stage = log_.stage(StageKind::filter, {}, blocks_for(pixels), 256);
         stage.name = std::string("filter_") + reference::to_string(parameters_.filter);
-        stage.inputs = {buffer_view("image", std::span<const Vec3>(image_), "radiance by pixel")};
-        stage.outputs = {
-            buffer_view("filtered", std::span<const Vec3>(filtered_), "radiance by pixel")};
+        stage.inputs = {buffer_view("image", image_.view(), "radiance by pixel")};
+        stage.outputs = {buffer_view("filtered", filtered_.view(), "radiance by pixel")};
         log_.show(stage);
     }
-    image_.swap(filtered_);
+    std::swap(image_, filtered_);
 }
 
 void Pipeline::State::show_paths(StageKind kind, const StagePlace& place,
@@ -302,7 +304,7 @@ std::size_t Pipeline::State::device_bytes() const {
     return traversal_.device_bytes() + rays_.bytes() + shadow_rays_.bytes() + throughput_.bytes() +
            radiance_.bytes() + potential_.bytes() + pixel_.bytes() + sample_.bytes() +
            depth_.bytes() + flags_.bytes() + path_hits_.bytes() + shadow_hits_.bytes() +
-           (image_.capacity() + filtered_.capacity()) * sizeof(Vec3);
+           image_.bytes() + filtered_.bytes();
 }
 
 Pipeline::Pipeline(const reference::Scene& scene, const reference::WideBvh& bvh,

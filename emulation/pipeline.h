@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "emulation/device.h"
+#include "emulation/schedule.h"
 #include "reference/image.h"
 #include "reference/launch_record.h"
 #include "reference/pipeline_parameters.h"

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "emulation/device.h"
+#include "emulation/schedule.h"
 #include "reference/owned_buffer.h"
 #include "reference/pipeline_parameters.h"
 #include "reference/scene.h"

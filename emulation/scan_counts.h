@@ -27,7 +27,7 @@ struct ScanView {
 template <class Value>
 void block_exclusive_scan(const Block& block, std::uint32_t n, const Value& value,
                           std::uint32_t* out) {
-    PerThread<std::uint32_t> strip_sum;
+    Shared<std::uint32_t> strip_sum("strip_sum");
     const std::uint32_t strip = (n + block.threads() - 1) / block.threads();
     const auto strip_begin = [&](std::uint32_t thread) { return std::min(n, thread * strip); };
     block.phase([&](std::uint32_t thread) {

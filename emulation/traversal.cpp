@@ -40,6 +40,8 @@ Traversal::Traversal(const reference::Scene& scene, const reference::WideBvh& bv
       limits_(limits),
       parent_positions_(bvh.node_count(), 0),
       hit_capacity_(parameters.hit_capacity) {
+    queue_overflow_.resize(1);
+    hits_needed_.resize(1);
     for (std::uint32_t level = 1; level < bvh.level_count(); ++level) {
         for (std::uint32_t id = bvh.level_begins[level]; id < bvh.level_begins[level + 1]; ++id) {
             parent_positions_[id] = bvh.parents[id] - bvh.level_begins[level - 1];
@@ -61,22 +63,21 @@ void Traversal::reset(std::span<const reference::Ray> rays, TraversalKind kind) 
     rays_ = rays;
     kind_ = kind;
     entries_ = rays.size();
-    queue_overflow_ = 0;
-    hits_needed_ = 0;
+    queue_overflow_.fill(0);
+    hits_needed_.fill(0);
+    const auto count = static_cast<std::uint32_t>(rays.size());
     node_counts_.resize(1);
-    node_counts_[0] = static_cast<std::uint32_t>(rays.size());
+    node_counts_.fill(count);
     queue_offsets_.resize(2);
-    queue_offsets_[0] = 0;
-    queue_offsets_[1] = node_counts_[0];
+    queue_offsets_.generate([&](std::size_t i) { return i == 0 ? 0 : count; });
     if (parameters_.early_out != EarlyOut::off) {
         minimum_.resize(rays.size());
-        for (std::size_t i = 0; i < rays.size(); ++i) {
-            // Dead rays included: their t_max of -1 culls them at the root.
-            minimum_[i] = rays[i].t_max;
-        }
+        // Dead rays included: their t_max of -1 culls them at the root.
+        const auto t_max = [&](std::size_t ray) { return rays[ray].t_max; };
+        minimum_.generate(t_max);
         if (parameters_.early_out == EarlyOut::level) {
             lowered_.resize(rays.size());
-            std::copy_n(minimum_.data(), rays.size(), lowered_.data());
+            lowered_.generate(t_max);
         }
     }
 }
@@ -85,7 +86,7 @@ void Traversal::reset_hits(const StagePlace& place) {
     const std::uint64_t rays = rays_.size();
     if (parameters_.hit_mode == HitMode::packed) {
         packed_.resize(rays);
-        std::fill_n(packed_.data(), rays, kNoPackedHit);
+        packed_.fill(kNoPackedHit);
         return;
     }
     // A capacity that has grown for few rays may be too much for many.
@@ -98,8 +99,9 @@ void Traversal::reset_hits(const StagePlace& place) {
                         rays, hit_capacity_, limits_.hit_slots, parameters_.batch_rays));
     }
     hit_counts_.resize(rays);
-    std::fill_n(hit_counts_.data(), rays, 0u);
+    hit_counts_.fill(0);
     candidates_.resize(rays * hit_capacity_);
+    candidates_.discard();
 }
 
 void Traversal::run_levels(StagePlace place) {
@@ -130,6 +132,8 @@ void Traversal::scan(const StagePlace& place) {
     }
     block_offsets_.resize(nodes + 1);
     child_offsets_.resize(children + 1);
+    block_offsets_.discard();
+    child_offsets_.discard();
     const ScanView view{
         nodes,
         node_counts_.data(),
@@ -155,8 +159,9 @@ void Traversal::intersect_level(const StagePlace& place) {
     const std::uint32_t nodes = level_nodes(place.level);
     const std::uint32_t children = level_nodes(place.level + 1);
     child_counts_.resize(children);
-    std::fill_n(child_counts_.data(), children, 0u);
+    child_counts_.fill(0);
     child_queue_.resize(child_offsets_[children]);
+    child_queue_.discard();
 
     const bool strided = parameters_.block_order == reference::BlockOrder::strided;
     const std::uint32_t total = block_offsets_[nodes];
@@ -200,8 +205,8 @@ void Traversal::launch_level(std::uint32_t level, std::uint32_t blocks, std::uin
 }
 
 void Traversal::check_queues(const StagePlace& place) {
-    if (queue_overflow_ == 0) return;
-    const std::uint32_t node = queue_overflow_ - 1;
+    if (queue_overflow_[0] == 0) return;
+    const std::uint32_t node = queue_overflow_[0] - 1;
     const std::uint32_t child = node - bvh_.level_begins[place.level + 1];
     throw reference::Error::internal(
         fmt::format("{}: the queue of node {} has {} slots, but {} rays were pushed to it",
@@ -226,21 +231,21 @@ void Traversal::publish_minimum(const StagePlace& place) {
 }
 
 bool Traversal::grow_hits(const StagePlace& place) {
-    if (hits_needed_ == 0) return false;
+    const std::uint32_t needed = hits_needed_[0];
+    if (needed == 0) return false;
     const std::uint32_t before = hit_capacity_;
-    const std::uint32_t grown = std::max(hits_needed_, 2 * before);
+    const std::uint32_t grown = std::max(needed, 2 * before);
     const std::string stage = place.name(StageKind::merge_intersections);
     if (std::uint64_t{grown} * rays_.size() > limits_.hit_slots) {
         throw reference::Error::bad_input(
-            stage, fmt::format("a ray has {} hits, but {} rays with {} slots each are more than "
-                               "{} slots; trace fewer rays at once (--batch-rays, now {}), or "
-                               "use --early-out level or --hit-mode packed",
-                               hits_needed_, rays_.size(), grown, limits_.hit_slots,
-                               parameters_.batch_rays));
+            stage,
+            fmt::format("a ray has {} hits, but {} rays with {} slots each are more than "
+                        "{} slots; trace fewer rays at once (--batch-rays, now {}), or "
+                        "use --early-out level or --hit-mode packed",
+                        needed, rays_.size(), grown, limits_.hit_slots, parameters_.batch_rays));
     }
     hit_capacity_ = grown;
-    log_.retry(stage,
-               fmt::format("a ray has {} hits, the buffer had {} slots", hits_needed_, before));
+    log_.retry(stage, fmt::format("a ray has {} hits, the buffer had {} slots", needed, before));
     return true;
 }
 
@@ -300,12 +305,12 @@ LevelView Traversal::level_view(std::uint32_t level) {
     return {bvh_.level_begins[level], level_nodes(level),    bvh_.level_begins[level + 1],
             node_counts_.data(),      queue_offsets_.data(), level == 0 ? nullptr : queue_.data(),
             block_offsets_.data(),    child_counts_.data(),  child_offsets_.data(),
-            child_queue_.data(),      &queue_overflow_};
+            child_queue_.data(),      queue_overflow_.data()};
 }
 
 HitView Traversal::hit_view() {
     return {parameters_.hit_mode, hit_capacity_,  hit_counts_.data(),
-            candidates_.data(),   packed_.data(), &hits_needed_};
+            candidates_.data(),   packed_.data(), hits_needed_.data()};
 }
 
 MinimumView Traversal::minimum_view() {

@@ -70,18 +70,23 @@ class Traversal {
     TraversalKind kind_ = TraversalKind::closest;
     std::uint64_t entries_ = 0;  ///< in this level's queues
 
-    DeviceBuffer<std::uint32_t> node_counts_, child_counts_;
-    DeviceBuffer<std::uint32_t> queue_offsets_, child_offsets_;
-    DeviceBuffer<std::uint32_t> block_offsets_;
-    DeviceBuffer<std::uint32_t> queue_, child_queue_;
-    std::uint32_t queue_overflow_ = 0;
+    DeviceBuffer<std::uint32_t> node_counts_{device_, "queue lengths"};
+    DeviceBuffer<std::uint32_t> child_counts_{device_, "queue lengths"};
+    DeviceBuffer<std::uint32_t> queue_offsets_{device_, "queue offsets"};
+    DeviceBuffer<std::uint32_t> child_offsets_{device_, "queue offsets"};
+    DeviceBuffer<std::uint32_t> block_offsets_{device_, "block offsets"};
+    DeviceBuffer<std::uint32_t> queue_{device_, "ray queues", BufferUse::each_slot_once};
+    DeviceBuffer<std::uint32_t> child_queue_{device_, "ray queues", BufferUse::each_slot_once};
+    DeviceBuffer<std::uint32_t> queue_overflow_{device_, "the overflow flag"};
 
     std::uint32_t hit_capacity_;
-    std::uint32_t hits_needed_ = 0;
-    DeviceBuffer<std::uint32_t> hit_counts_;
-    DeviceBuffer<reference::HitCandidate> candidates_;
-    DeviceBuffer<std::uint64_t> packed_;
-    DeviceBuffer<float> minimum_, lowered_;
+    DeviceBuffer<std::uint32_t> hits_needed_{device_, "hits needed"};
+    DeviceBuffer<std::uint32_t> hit_counts_{device_, "hit counts"};
+    DeviceBuffer<reference::HitCandidate> candidates_{device_, "the multi-intersection buffer",
+                                                      BufferUse::each_slot_once};
+    DeviceBuffer<std::uint64_t> packed_{device_, "packed hits"};
+    DeviceBuffer<float> minimum_{device_, "minimum distances"};
+    DeviceBuffer<float> lowered_{device_, "lowered distances"};
 };
 
 }  // namespace scotty::emulation

@@ -50,6 +50,8 @@ namespace SCOTTY_DEVICE_NAMESPACE {
 
 /// What reports call a piece of device memory, where somebody checks what is done with it.
 inline void label_memory(const void* /*memory*/, const char* /*name*/) {}
+/// Nobody needs what is in it; until the next call each place is written once at most.
+inline void discard_slots(const void* /*memory*/, std::size_t /*bytes*/) {}
 
 constexpr std::uint32_t kWarpSize = 32;
 constexpr std::uint32_t kWholeWarp = 0xffffffffu;

@@ -141,6 +141,7 @@ void Traversal::prepare(std::uint32_t count) {
 }
 
 void Traversal::clear(const StagePlace& place) {
+    discard_slots(candidates_.data(), candidates_.size() * sizeof(reference::HitCandidate));
     check(cudaMemsetAsync(node_counts_.data(), 0, node_counts_.size() * 4, stream_),
           "clearing queue lengths");
     check(cudaMemsetAsync(scans_.data(), 0, scans_.size() * 8, stream_), "clearing scan tiles");
@@ -163,6 +164,7 @@ bool Traversal::launch_level(const StagePlace& place) {
     if (log_.observed() && overflowed()) return false;
     if (log_.wants(StageKind::scan_counts)) show_scan(place, level);
     const StageKind kind = place.level == 0 ? StageKind::intersect_root : StageKind::intersect;
+    discard_slots(child_queue_.data(), child_queue_.size() * 4);
     log_.run(kind, place, resident_blocks_, place.level == 0 ? count_ : 0, stream_, [&] {
         switch (scene_.width()) {
             case 2:

@@ -19,6 +19,14 @@ using scotty::simt::run_simt_stage;
 
 namespace {
 
+std::string written_by(const void* shown) {
+    const auto writer = scotty::simt::written_by(shown);
+    if (!writer) return {};
+    return fmt::format("thread {} of block {} of kernel {} at {}{}", writer->thread, writer->block,
+                       writer->kernel, writer->line,
+                       writer->in_this_launch ? "" : ", in an earlier launch");
+}
+
 /// Exact whatever the parameters say: what fast arithmetic is held against.
 Backend emulator(const emulation::DeviceOptions& device) {
     Backend backend;
@@ -35,6 +43,7 @@ Backend emulator(const emulation::DeviceOptions& device) {
     backend.run_stage = [device](const PipelineInput& input, const StageView& stage) {
         return emulation::run_stage(input.scene, input.bvh, input.parameters, device, stage);
     };
+    backend.written_by = written_by;
     return backend;
 }
 
@@ -54,13 +63,7 @@ Backend simt(const scotty::simt::SimtOptions& options) {
     backend.run_stage = [options](const PipelineInput& input, const StageView& stage) {
         return run_simt_stage(input.scene, input.bvh, input.parameters, stage, options);
     };
-    backend.written_by = [](const void* shown) {
-        const auto writer = scotty::simt::written_by(shown);
-        if (!writer) return std::string();
-        return fmt::format("thread {} of block {} of kernel {} at {}{}", writer->thread,
-                           writer->block, writer->kernel, writer->line,
-                           writer->in_this_launch ? "" : ", in an earlier launch");
-    };
+    backend.written_by = written_by;
     return backend;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <string>
 #include <string_view>
 
 #include "reference/records.h"
@@ -131,6 +132,26 @@ std::vector<std::byte> canonical_bytes(const BufferView& buffer, const Regions& 
     for (std::size_t i = 0; i < regions.regions.size(); ++i) {
         append(out, std::uint64_t{regions.regions[i].claimed});
         for (const std::uint64_t entry : sorted_entries(buffer, regions, i)) append(out, entry);
+    }
+    return out;
+}
+
+std::string canonical_outcome(const StageView& stage,
+                              const std::vector<reference::OwnedBuffer>& outputs,
+                              const reference::PipelineParameters& parameters) {
+    if (parameters.early_out == reference::EarlyOut::immediate &&
+        reference::is_of_traversal(stage.kind)) {
+        return {};
+    }
+    StageView view = stage;
+    view.outputs.clear();
+    for (const reference::OwnedBuffer& buffer : outputs) view.outputs.push_back(buffer.view());
+    std::string out;
+    for (const BufferView& buffer : view.outputs) {
+        const std::vector<std::byte> bytes =
+            canonical_bytes(buffer, regions_of(view, buffer, true));
+        out.append(buffer.name).append(1, ' ').append(std::to_string(bytes.size())).append(1, '\n');
+        out.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     }
     return out;
 }

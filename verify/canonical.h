@@ -8,8 +8,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "reference/owned_buffer.h"
+#include "reference/pipeline_parameters.h"
 #include "reference/stage_observer.h"
 
 namespace scotty::verify {
@@ -46,5 +49,11 @@ std::uint64_t entry_of(const reference::BufferView& buffer, const Regions& regio
 /// The elements in use of one region, sorted: ids, or hits as t bits << 32 | primitive.
 std::vector<std::uint64_t> sorted_entries(const reference::BufferView& buffer,
                                           const Regions& regions, std::size_t region);
+
+/// All of a stage's outputs in canonical form, one after the other: equal where nothing that is
+/// fixed differs. Under early-out `immediate` nothing that traversal gathers is: empty then.
+std::string canonical_outcome(const reference::StageView& stage,
+                              const std::vector<reference::OwnedBuffer>& outputs,
+                              const reference::PipelineParameters& parameters);
 
 }  // namespace scotty::verify

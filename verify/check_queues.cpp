@@ -97,7 +97,8 @@ class NodeCheck {
     }
 
     void fail(const char* tag, std::uint32_t child, std::uint32_t ray, std::uint32_t block,
-              std::string sentence, std::string expected, std::string found) {
+              std::string sentence, std::string expected, std::string found,
+              const std::uint32_t* slot = nullptr) {
         if (reported_++ >= kFailuresPerNode) return;
         Failure failure = failure_at(launch_.stage, tag, std::move(sentence));
         failure.node = launch_.first_node + node_;
@@ -106,6 +107,7 @@ class NodeCheck {
         failure.field = fmt::format("queue of child node {}", child);
         failure.expected = std::move(expected);
         failure.found = std::move(found);
+        failure.shown_at = slot;
         worker_.failures.push_back(std::move(failure));
     }
 
@@ -126,25 +128,26 @@ class NodeCheck {
         std::uint32_t run_block = kNone;
         std::uint32_t last_position = 0;
         for (std::uint32_t slot = 0; slot < shown; ++slot) {
-            const std::uint32_t ray = launch_.child_queue[begin + slot];
+            const std::uint32_t* const at = &launch_.child_queue[begin + slot];
+            const std::uint32_t ray = *at;
             const std::string where = reported_ < kFailuresPerNode
                                           ? fmt::format("ray {} in slot {}", ray, slot)
                                           : std::string();
             if (ray >= launch_.ray_count) {
                 fail(invariant::kSlotWrittenOnce, child, ray, kNotApplicable,
                      "a reserved slot holds no ray id: it was never written",
-                     fmt::format("an id below {}", launch_.ray_count), where);
+                     fmt::format("an id below {}", launch_.ray_count), where, at);
                 continue;
             }
             const std::uint32_t p = worker_.position[ray];
             if (p == kNone) {
                 fail(invariant::kNothingExtra, child, ray, kNotApplicable,
-                     "a ray that is not in the parent's queue", "no such ray", where);
+                     "a ray that is not in the parent's queue", "no such ray", where, at);
                 continue;
             }
             if ((worker_.pushed[p] >> c & 1u) != 0) {
                 fail(invariant::kNoDuplicate, child, ray, block_of(p),
-                     "the ray is in the queue twice", "one entry", where);
+                     "the ray is in the queue twice", "one entry", where, at);
                 continue;
             }
             worker_.pushed[p] |= 1u << c;
@@ -154,7 +157,7 @@ class NodeCheck {
                 fail(invariant::kNothingExtra, child, ray, block_of(p),
                      overlapped ? "a ray that had to be culled: it enters beyond its nearest hit"
                                 : "a ray that does not enter the child's box",
-                     "no such ray", where);
+                     "no such ray", where, at);
             }
             check_order(child, ray, p, run_block, last_position);
         }

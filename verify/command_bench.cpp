@@ -1,20 +1,24 @@
 /// scotty bench: how fast, and how sharp the image gates are.
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "reference/error.h"
 #include "scenes/scenes.h"
 #include "verify/bench.h"
+#include "verify/bench_check.h"
 #include "verify/bench_gates.h"
 #include "verify/bench_simt.h"
 #include "verify/command.h"
 #include "verify/options.h"
 #include "verify/progress.h"
 #include "verify/report.h"
+#include "verify/simt/simt_pipeline.h"
 #include "verify/write_file.h"
 
 namespace scotty::verify {
@@ -54,6 +58,32 @@ GateBenchSettings gate_settings(const BenchOptions& options, const CLI::App& com
     return gates;
 }
 
+/// The same picture, one round, by the program that checks.
+std::string checked_half(const BenchOptions& options) {
+    const reference::PipelineParameters& p = options.settings.parameters;
+    const auto self = std::filesystem::read_symlink("/proc/self/exe");
+    return fmt::format(
+        "'{}' bench check '{}' --repeats 1 --warm-ups 1 --threads {} --size {}x{} --spp {} "
+        "--bounces {} --light-samples {} --seed {} --leaf-size {} --width {} --rays-per-block {} "
+        "--early-out {} --hit-mode {} --block-order {} --shadow-query {} --hit-capacity {} "
+        "--batch-rays {}",
+        (self.parent_path() / "scotty-checked").string(), options.scene, options.settings.threads,
+        p.image_width, p.image_height, p.spp, p.bounces, p.light_samples, p.seed, p.max_leaf_size,
+        p.width, p.rays_per_block, to_string(p.early_out), to_string(p.hit_mode),
+        to_string(p.block_order), to_string(p.shadow_query), p.hit_capacity, p.batch_rays);
+}
+
+int run_bench_check(const BenchOptions& options, const reference::Scene& scene,
+                    Progress& progress) {
+    if (simt::checks_memory()) {
+        print_result(render_seconds(scene, options.settings).dump());
+        return kExitPassed;
+    }
+    const CheckBenchReport report = bench_check(scene, options.settings, checked_half(options));
+    print_report(options, progress, report);
+    return report.passed() ? kExitPassed : kExitFailed;
+}
+
 int run_bench(BenchOptions& options, const CLI::App& command) {
     reference::validate(options.settings.parameters);
     if (options.what == "gates") {
@@ -66,10 +96,16 @@ int run_bench(BenchOptions& options, const CLI::App& command) {
         gates.progress = [&](const std::string& what) { progress.show(what); };
         return print_report(options, progress, bench_gates(gates));
     }
+    if (options.what == "check" && command.count("--size") == 0) {
+        // The checked tiers take their time.
+        options.settings.parameters.image_width = 128;
+        options.settings.parameters.image_height = 128;
+    }
     const reference::Scene scene = scenes::load_scene(options.scene);
     for (const std::string& warning : scene.warnings) spdlog::warn("{}", warning);
     Progress progress;
     options.settings.progress = [&](const std::string& what) { progress.show(what); };
+    if (options.what == "check") return run_bench_check(options, scene, progress);
     if (options.what == "simt") {
         return print_report(options, progress, bench_simt(scene, options.settings));
     }
@@ -90,6 +126,8 @@ void add_bench_command(CLI::App& app, Action& action) {
         "  scotty bench emulator --json - | jq .ratio_to_embree\n"
         "  scotty bench simt                            the CUDA text on the CPU, beside the "
         "emulator\n"
+        "  scotty bench check                           what --check costs on both; 1 is over a "
+        "limit\n"
         "  scotty bench gates --trials 50 --spp 64      which faults the image gates reject, how "
         "often\n\n"
         "The rays of every traversal of one render are collected first and then traced by both, "
@@ -99,9 +137,9 @@ void add_bench_command(CLI::App& app, Action& action) {
     options->settings.parameters.image_width = 512;
     options->settings.parameters.image_height = 512;
     options->settings.parameters.spp = 1;
-    command->add_option("what", options->what, "what to measure: emulator, simt or gates")
+    command->add_option("what", options->what, "what to measure: emulator, simt, check or gates")
         ->required()
-        ->check(CLI::IsMember({"emulator", "simt", "gates"}));
+        ->check(CLI::IsMember({"emulator", "simt", "check", "gates"}));
     command->add_option("scene", options->scene, "a built-in scene (scotty list) or a file")
         ->capture_default_str();
     command->add_option("--json", options->json, "write the figures as JSON; - is standard output")

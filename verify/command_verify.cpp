@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "emulation/simt/check/memory_checker.h"
 #include "reference/error.h"
 #include "scenes/scenes.h"
 #include "verify/backend.h"
@@ -140,6 +141,12 @@ int run_verify(VerifyOptions& options) {
             "golden images are not asked of simt, which takes minutes: --only-golden does");
     }
     report.seconds = seconds();
+    report.checked = options.backend.check;
+    if (report.checked) {
+        for (const auto& read : emulation::simt::relaxed_meetings()) {
+            report.relaxed_reads.push_back({read.line, read.met});
+        }
+    }
     if (matched_nothing(options, report)) {
         throw reference::Error::bad_input(
             "--stage", fmt::format("no stage's name matches '{}'; names look like "
@@ -166,7 +173,7 @@ void add_verify_command(CLI::App& app, Action& action, const std::string& comman
         "  scotty verify spheres --width 8 --rays-per-block 64 --early-out off --hit-mode buffer "
         "\\\n"
         "      --block-order linear --shadow-query any --hit-capacity 8 --batch-rays 262144 \\\n"
-        "      --schedule serial --stage 'bounce0/level2/*'\n"
+        "      --schedule linear --stage 'bounce0/level2/*'\n"
         "                                               one configuration, some of its stages\n"
         "  scotty verify --backend cuda                 the CUDA pipeline, against the emulator "
         "too\n"
@@ -217,6 +224,12 @@ void add_verify_command(CLI::App& app, Action& action, const std::string& comman
         ->excludes(no_golden);
     command->add_option("--golden", options->golden, "the folder of golden files")
         ->type_name("DIR");
+    command
+        ->add_option("--schedules", options->settings.schedules,
+                     "run every configuration also under the first N of linear, reversed, strided, "
+                     "adversarial, shuffle:1, shuffle:2, ...: determined results must not differ")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1000000));
     add_thread_option(*command, options->settings.threads);
     add_picture_options(*command, options->settings.parameters);
     add_filter_options(*command, options->settings.filter);

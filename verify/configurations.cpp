@@ -23,11 +23,6 @@ namespace {
 /// Rays a batch of the extra run: odd, so that no batch ends where a block, row or image does.
 constexpr std::uint32_t kOddBatch = 331;
 
-constexpr std::pair<Schedule, const char*> kScheduleWords[] = {{Schedule::parallel, "parallel"},
-                                                               {Schedule::serial, "serial"},
-                                                               {Schedule::reversed, "reversed"},
-                                                               {Schedule::shuffled, "shuffled"}};
-
 /// One parameter: its values, as changes to a configuration.
 struct Factor {
     std::vector<std::function<void(Configuration&)>> values;
@@ -47,8 +42,11 @@ Factor factor(const std::vector<T>& asked, std::vector<T> usual, const Set& set)
 std::vector<Factor> factors_of(const PipelineParameters& base, const ConfigurationFilter& filter) {
     std::vector<std::uint32_t> capacities{base.hit_capacity};
     if (!filter.all && base.hit_capacity != 1) capacities.push_back(1);  // has to grow
-    std::vector<Schedule> schedules{Schedule::parallel};
-    if (!filter.all) schedules = {Schedule::parallel, Schedule::serial, Schedule::shuffled};
+    std::vector<Schedule> schedules{{}};
+    if (!filter.all) {
+        using emulation::ScheduleKind;
+        schedules = {{}, {ScheduleKind::linear, 0}, {ScheduleKind::shuffled, base.seed}};
+    }
     return {
         factor<int>(filter.widths, {8, 2, 4, 16},
                     [](Configuration& c, int v) { c.parameters.width = v; }),
@@ -123,35 +121,9 @@ class Uncovered {
 
 }  // namespace
 
-const char* to_string(Schedule value) {
-    for (const auto& [schedule, word] : kScheduleWords) {
-        if (schedule == value) return word;
-    }
-    return "(invalid)";
-}
-
-Schedule parse_schedule(const std::string& word) {
-    for (const auto& [schedule, valid] : kScheduleWords) {
-        if (word == valid) return schedule;
-    }
-    throw reference::Error::bad_input(
-        "schedule",
-        fmt::format("expected one of parallel, serial, reversed, shuffled, found '{}'", word));
-}
-
 emulation::DeviceOptions Configuration::device(std::size_t threads) const {
-    using emulation::ScheduleKind;
-    switch (schedule) {
-        case Schedule::parallel:
-            return {threads, ScheduleKind::free, 0};
-        case Schedule::serial:
-            return {1, ScheduleKind::linear, 0};
-        case Schedule::reversed:
-            return {1, ScheduleKind::reversed, 0};
-        case Schedule::shuffled:
-            return {1, ScheduleKind::shuffled, parameters.seed};
-    }
-    return {threads, ScheduleKind::free, 0};
+    const bool one_by_one = schedule.kind != emulation::ScheduleKind::free;
+    return {one_by_one ? 1 : threads, schedule.kind, schedule.seed};
 }
 
 std::string Configuration::label() const {
@@ -176,7 +148,7 @@ std::string Configuration::options() const {
 }
 
 Configuration baseline_configuration(const PipelineParameters& base) {
-    Configuration configuration{base, Schedule::parallel};
+    Configuration configuration{base, {}};
     configuration.parameters.width = 8;
     configuration.parameters.early_out = EarlyOut::off;
     configuration.parameters.hit_mode = HitMode::buffer;
@@ -246,7 +218,7 @@ std::vector<Configuration> configurations(const PipelineParameters& base,
     };
     for (const auto& asked_row : product_rows(asked_sizes)) {
         for (const auto& free_row : free_rows) {
-            Configuration configuration{base, Schedule::parallel};
+            Configuration configuration{base, {}};
             for (std::size_t k = 0; k < asked.size(); ++k) {
                 factors[asked[k]].values[asked_row[k]](configuration);
             }
@@ -257,7 +229,7 @@ std::vector<Configuration> configurations(const PipelineParameters& base,
         }
     }
     if (asked.empty()) {
-        Configuration small{base, Schedule::parallel};
+        Configuration small{base, {}};
         small.parameters.batch_rays = kOddBatch;
         small.parameters.hit_capacity = 1;
         small.parameters.block_order = BlockOrder::strided;

@@ -5,27 +5,19 @@
 #include <string>
 #include <vector>
 
-#include "emulation/device.h"
+#include "emulation/schedule.h"
 #include "reference/pipeline_parameters.h"
 
 namespace scotty::verify {
 
-/// How a configuration's blocks are run.
-enum class Schedule {
-    parallel,  ///< on all threads, in whatever order
-    serial,    ///< on one thread, in order
-    reversed,  ///< one after the other, last first
-    shuffled   ///< one after the other, in an order drawn by the seed
-};
-const char* to_string(Schedule value);
-Schedule parse_schedule(const std::string& word);
+using emulation::Schedule;
 
 struct Configuration {
     reference::PipelineParameters parameters;
-    Schedule schedule = Schedule::parallel;
+    Schedule schedule{};
 
     emulation::DeviceOptions device(std::size_t threads) const;
-    /// "width 8, 64 rays a block, early-out level, buffer of 8, linear, shadow any, parallel".
+    /// "width 8, 64 rays a block, early-out level, buffer of 8, linear, shadow any, free".
     std::string label() const;
     /// The options that select exactly this one: "--width 8 --rays-per-block 64 ...".
     std::string options() const;

@@ -45,6 +45,7 @@ struct Failure {
     std::string expected;  ///< floats as hex and decimal
     std::string found;
     std::string sentence;
+    const void* shown_at = nullptr;  ///< where the value found lies, while its stage is shown
     std::string
         written_by;  ///< "thread 3 of block 7 of kernel K at FILE:LINE", where that is known
 };

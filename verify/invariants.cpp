@@ -23,7 +23,11 @@ const InvariantCounts& InvariantChecker::counts() const { return state_->counts;
 
 void InvariantChecker::State::add(Failure failure) {
     ++counts.failures;
-    if (failures.size() < settings.max_failures) failures.push_back(std::move(failure));
+    if (failures.size() >= settings.max_failures) return;
+    if (failure.shown_at != nullptr && settings.written_by) {
+        failure.written_by = settings.written_by(failure.shown_at);
+    }
+    failures.push_back(std::move(failure));
 }
 
 void InvariantChecker::State::add_sorted(std::vector<Failure> found) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -22,6 +23,8 @@ struct InvariantSettings {
     std::string stage_pattern;
     /// Pipeline::trace() names no query: true where it was called for any hit.
     bool trace_asks_any = false;
+    /// As Backend::written_by: who wrote what a failure points at.
+    std::function<std::string(const void*)> written_by{};
     std::size_t max_failures = 20;  ///< kept; the rest is counted
 };
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <filesystem>
 #include <functional>
 
 #include "reference/error.h"
@@ -166,8 +167,8 @@ void add_filter_options(CLI::App& command, ConfigurationFilter& filter) {
              "hit slots a ray at first", "1..65536");
     add_list(command, "--batch-rays", filter.batch_rays, count("--batch-rays"),
              "rays in flight at once", "N,...");
-    add_list(command, "--schedule", filter.schedule, parse_schedule, "how the blocks are run",
-             "parallel,serial,reversed,shuffled");
+    add_list(command, "--schedule", filter.schedule, emulation::parse_schedule,
+             "order of blocks and threads, on the CPU", "free,linear,...");
     command.add_flag("--all", filter.all, "every combination, not only all pairs of values")
         ->group("Selecting configurations");
 }
@@ -180,22 +181,34 @@ void add_backend_options(CLI::App& command, BackendChoice& choice, const std::st
                          bool one_configuration) {
     command.add_option("--backend", choice.name, help)->capture_default_str();
     command.add_flag("--check", choice.check,
-                     "with --backend simt: watch every load and store of the kernels for races, "
+                     "emulator and simt: watch every load and store of the kernels for races, "
                      "unwritten memory and bounds");
     if (!one_configuration) return;
     add_word(
         command, "--schedule",
-        [&choice](const std::string& word) { choice.schedule = parse_schedule(word); },
-        "order of the blocks, on the CPU: parallel, serial, reversed or shuffled (by --seed)",
+        [&choice](const std::string& word) {
+            if (std::filesystem::is_regular_file(word)) {
+                choice.interleaving = word;
+            } else {
+                choice.schedule = emulation::parse_schedule(word);
+            }
+        },
+        "order of blocks and threads, on the CPU: free, linear, reversed, strided, adversarial or "
+        "shuffle:SEED",
         "WORD", kPipeline);
 }
 
 Backend chosen_backend(const BackendChoice& choice, std::size_t threads,
                        const PipelineParameters& parameters) {
-    if (choice.check && choice.name != "simt") {
+    if (choice.check && choice.name == "cuda") {
+        throw Error::bad_input("--check",
+                               "needs --backend emulator or simt: what a device touches is not "
+                               "watched (compute-sanitizer does that)");
+    }
+    if (!choice.interleaving.empty()) {
         throw Error::bad_input(
-            "--check",
-            fmt::format("needs --backend simt: what the {} touches is not watched", choice.name));
+            "--schedule",
+            fmt::format("{}: a file is of one launch; scotty replay runs it", choice.interleaving));
     }
     if (choice.check) become_checked_program();
     return backend_named(choice.name, Configuration{parameters, choice.schedule}.device(threads));

@@ -32,7 +32,8 @@ reference::Scene load_scene_argument(const std::string& scene);
 struct BackendChoice {
     std::string name = "emulator";
     bool check = false;
-    Schedule schedule = Schedule::parallel;
+    Schedule schedule{};
+    std::string interleaving;  ///< --schedule FILE: a saved order of one launch's blocks
 };
 /// --backend and --check, and --schedule for commands that run one configuration.
 void add_backend_options(CLI::App& command, BackendChoice& choice, const std::string& help,

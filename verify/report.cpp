@@ -119,6 +119,29 @@ std::string image_table(const std::vector<ImageCase>& images) {
 
 }  // namespace
 
+namespace {
+
+/// A line each, of what was asked for.
+std::string schedules_and_checks(const Report& report) {
+    std::string out;
+    std::size_t schedules = 0;
+    for (const SceneReport& scene : report.scenes) {
+        for (const ConfigurationReport& c : scene.configurations) schedules += c.schedules;
+    }
+    if (schedules != 0) out += fmt::format("{} runs under other schedules\n", schedules);
+    if (!report.checked) return out;
+    std::uint64_t met = 0;
+    std::string lines;
+    for (const RelaxedRead& read : report.relaxed_reads) {
+        met += read.met;
+        lines += fmt::format("{}{} at {}", lines.empty() ? ": " : ", ", read.met, read.line);
+    }
+    return out + fmt::format("checked; relaxed reads that met an atomic of their launch: {}{}\n",
+                             met, lines);
+}
+
+}  // namespace
+
 std::string table(const Report& report) {
     const auto row = [](const auto&... cells) {
         return fmt::format(
@@ -160,6 +183,7 @@ std::string table(const Report& report) {
             report.backend, stages.all(), stages.identical, stages.reordered, stages.within_bounds,
             stages.differ);
     }
+    out += schedules_and_checks(report);
     const auto failures = placed_failures(report);
     if (failures.empty()) return out;
     const PlacedFailure& first = failures.front();
@@ -220,6 +244,7 @@ nlohmann::json to_json(const ConfigurationReport& c) {
             {"retries", c.counts.retries},
             {"non_finite", c.counts.non_finite},
             {"seconds", c.seconds},
+            {"schedules", c.schedules},
             {"replay", c.replay}};
 }
 
@@ -262,6 +287,10 @@ nlohmann::json to_json(const Report& report) {
     }
     nlohmann::json images = nlohmann::json::array();
     for (const ImageCase& image : report.images) images.push_back(to_json(image));
+    nlohmann::json relaxed = nlohmann::json::array();
+    for (const RelaxedRead& read : report.relaxed_reads) {
+        relaxed.push_back({{"line", read.line}, {"met", read.met}});
+    }
     const auto& p = report.parameters;
     return {{"passed", report.passed()},
             {"command", report.command},
@@ -275,6 +304,8 @@ nlohmann::json to_json(const Report& report) {
             {"seconds", report.seconds},
             {"failures", failures},
             {"scenes", scenes},
+            {"checked", report.checked},
+            {"relaxed_reads", relaxed},
             {"false_alarm", report.false_alarm},
             {"images", images}};
 }

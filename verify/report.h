@@ -30,7 +30,8 @@ struct ConfigurationReport {
     std::string label;
     StageCounts stages;  ///< all zero where the emulator is what is verified
     InvariantCounts counts;
-    std::uint64_t rays = 0;  ///< living rays traced
+    std::uint64_t rays = 0;     ///< living rays traced
+    std::size_t schedules = 0;  ///< under which it ran besides its own
     double seconds = 0.0;
     std::vector<Failure> failures;  ///< invariants first, then differences from the baseline
     std::string replay;             ///< command that runs this configuration on this scene alone
@@ -53,6 +54,12 @@ struct SceneReport {
     bool passed() const;
 };
 
+/// A place in the kernels where memory is read that others may change meanwhile (load_relaxed).
+struct RelaxedRead {
+    std::string line;       ///< "gpu/intersect.h:207"
+    std::uint64_t met = 0;  ///< how often an atomic of the same launch met it, unordered
+};
+
 struct Report {
     reference::PipelineParameters parameters;  ///< what all configurations share
     std::size_t threads = 0;
@@ -63,6 +70,8 @@ struct Report {
     /// What is wrong with the golden files themselves: missing, stale, corrupted, waivers that have
     /// expired. `stage` names the case.
     std::vector<Failure> golden_failures;
+    bool checked = false;                      ///< --check
+    std::vector<RelaxedRead> relaxed_reads{};  ///< where checked: by line
     /// Probability that all these images together fail though nothing is wrong.
     double false_alarm = 0.0;
     double seconds = 0.0;

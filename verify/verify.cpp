@@ -17,6 +17,7 @@
 #include "verify/emulator_diff.h"
 #include "verify/pipeline_input.h"
 #include "verify/recording.h"
+#include "verify/schedule_check.h"
 
 namespace scotty::verify {
 
@@ -109,6 +110,8 @@ class SceneVerification {
         if (settings_.backend != "emulator") command += " --backend " + settings_.backend;
         if (settings_.check) command += " --check";
         if (settings_.threads != 0) command += fmt::format(" --threads {}", settings_.threads);
+        if (settings_.schedules != 0)
+            command += fmt::format(" --schedules {}", settings_.schedules);
         return command;
     }
 
@@ -129,10 +132,12 @@ class SceneVerification {
         const reference::WideBvh& bvh = bvh_of(p.width);
         Recording recording;
         Recorder recorder(p, recording);
-        InvariantChecker checker(scene_, bvh, p, {.stage_pattern = settings_.stage_pattern});
+        const Backend backend = backend_named(settings_.backend, device);
+        InvariantChecker checker(
+            scene_, bvh, p,
+            {.stage_pattern = settings_.stage_pattern, .written_by = backend.written_by});
         std::optional<EmulatorDiff> emulator;
         const PipelineInput* input = nullptr;
-        const Backend backend = backend_named(settings_.backend, device);
         if (backend.name != "emulator") {
             input = &input_of(bvh, p);
             emulator.emplace(*input, settings_.threads, backend);
@@ -179,8 +184,34 @@ class SceneVerification {
                 ++out.counts.failures;
             }
         }
+        if (settings_.schedules != 0) run_schedules(bvh, p, out);
         out.seconds = seconds_since(start);
         return recording;
+    }
+
+    void run_schedules(const reference::WideBvh& bvh, const PipelineParameters& p,
+                       ConfigurationReport& out) {
+        const PipelineInput& input = input_of(bvh, p);
+        const auto render = [&](const emulation::Schedule& schedule,
+                                reference::StageObserver& observer) {
+            const Configuration configuration{p, schedule};
+            const Backend backend =
+                backend_named(settings_.backend, configuration.device(settings_.threads));
+            if (!settings_.tamper) {
+                backend.render(input, &observer);
+                return;
+            }
+            TamperingObserver tampering(observer, settings_.tamper,
+                                        report_.configurations.size() - 1);
+            backend.render(input, &tampering);
+        };
+        const auto schedules = emulation::seeded_schedules(settings_.schedules);
+        for (Failure& failure : check_schedules(schedules, p, render)) {
+            if (!stage_matches(settings_.stage_pattern, failure.stage)) continue;
+            out.failures.push_back(std::move(failure));
+            ++out.counts.failures;
+        }
+        out.schedules = schedules.size();
     }
 
     /// Where the run parted from the emulator, which names who wrote it, and then the invariants

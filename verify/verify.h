@@ -23,6 +23,8 @@ struct VerifySettings {
     bool check = false;  ///< this program checks what kernels touch (--check); noted for replays
     std::string stage_pattern;  ///< judge these stages only
     bool oracles = true;
+    /// Every configuration also under so many schedules (schedule_check.h); 0: under its own only.
+    std::size_t schedules = 0;
     std::uint64_t brute_force_tests = 400'000'000;  ///< see HitCheckSettings
     /// Called before each step: what is being done, steps done, steps in all.
     std::function<void(const std::string& what, std::size_t done, std::size_t total)> progress;

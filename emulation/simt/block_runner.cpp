@@ -30,6 +30,7 @@ void BlockRunner::enter(const Launch& launch, std::uint32_t block) {
     context.arena = &arena_;
     context.shared = &shared_;
     context.kernel = launch.kernel;
+    context.interleaver = launch.interleaver;
     if (launch.checker == nullptr) return;
     shared_shadow_.resize(SharedMemory::kBytes / 4);
     context.checker = launch.checker;
@@ -68,6 +69,7 @@ void BlockRunner::run(const Launch& launch, std::uint32_t block, ScheduleKind or
 void BlockRunner::leave() {
     context.kernel = nullptr;
     context.checker = nullptr;
+    context.interleaver = nullptr;
 }
 
 template <bool First>

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "emulation/device.h"
+#include "emulation/schedule.h"
 #include "emulation/simt/check/memory_checker.h"
 #include "emulation/simt/context.h"
 #include "emulation/simt/launch_error.h"
@@ -28,6 +28,7 @@ struct Launch {
     void (*start)(const void* arguments) = nullptr;  ///< one thread, to its first stop
     const void* arguments = nullptr;
     MemoryChecker* checker = nullptr;
+    Interleaver* interleaver = nullptr;
     std::uint32_t number = 0;  ///< to the checker
 };
 

@@ -13,6 +13,7 @@ namespace scotty::emulation::simt {
 constexpr std::uint32_t kLanes = 32;
 
 class MemoryChecker;  // check/memory_checker.h
+class Interleaver;    // interleave/interleaver.h
 struct Shadow;
 
 /// Where a thread of the block stands.
@@ -48,6 +49,8 @@ struct Context {
     std::uint32_t phase = 0;       ///< barriers that the block has passed
     /// Who hears of the accesses of instrumented kernels; null: nobody.
     MemoryChecker* checker = nullptr;
+    /// Who hears of them instead, where blocks take turns in their middle; null: they do not.
+    Interleaver* interleaver = nullptr;
     std::uint32_t launch = 0;         ///< its number, to the checker
     Shadow* shared_shadow = nullptr;  ///< of the block's shared memory
 };

@@ -42,6 +42,13 @@ inline void label_on_current_device(const void* memory, const char* name) {
     }
 }
 
+inline void discard_on_current_device(const void* memory, std::size_t bytes) {
+    const Executor* executor = CurrentDevice::current();
+    if (executor != nullptr && executor->checker() != nullptr) {
+        executor->checker()->discard(memory, bytes, true);
+    }
+}
+
 /// SCOTTY_LAUNCH. The stream is the default one's or any other: a launch is over on return.
 template <class Stream, class... Parameters, class... Arguments>
 void launch_on_current_device(const char* name, const Grid& grid, const Stream&,

@@ -42,6 +42,9 @@ constexpr std::uint32_t kWholeWarp = 0xffffffffu;
 inline void label_memory(const void* memory, const char* name) {
     emulation::simt::label_on_current_device(memory, name);
 }
+inline void discard_slots(const void* memory, std::size_t bytes) {
+    emulation::simt::discard_on_current_device(memory, bytes);
+}
 
 SCOTTY_DEVICE std::uint32_t thread_index() { return emulation::simt::context.thread; }
 SCOTTY_DEVICE std::uint32_t block_size() { return emulation::simt::context.block_size; }

@@ -4,33 +4,12 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
-#include <numeric>
 #include <string>
-#include <tuple>
 
 #include "emulation/simt/crash_report.h"
+#include "emulation/simt/interleave/interleaver.h"
 
 namespace scotty::emulation::simt {
-
-namespace {
-
-/// Races first, which explain what is unwritten; then in an order that does not depend on who came
-/// first.
-[[noreturn]] void throw_findings(const Launch& launch, std::vector<MemoryFinding> findings,
-                                 const std::string& after) {
-    std::sort(findings.begin(), findings.end(), [](const auto& a, const auto& b) {
-        return std::tie(a.kind, a.block, a.thread, a.place) <
-               std::tie(b.kind, b.block, b.thread, b.place);
-    });
-    std::string what = to_text(findings.front());
-    if (findings.size() > 1) {
-        what += " (and " + std::to_string(findings.size() - 1) +
-                " more, such as: " + to_text(findings[1]) + ")";
-    }
-    throw LaunchError(launch.kernel, findings.front().block, launch.threads, {}, what + after);
-}
-
-}  // namespace
 
 Executor::Executor(const SimtOptions& options)
     : options_(options),
@@ -47,6 +26,11 @@ void Executor::run(Launch& launch) {
             " threads; at least one block of 1 to " + std::to_string(kMaxThreads) + " is needed");
     }
     ++launches_;
+    if (interleaver_ != nullptr) {
+        launch.interleaver = interleaver_;
+        interleaver_->run(launch);
+        return;
+    }
     if (checker_ == nullptr) {
         run_blocks(launch);
         return;
@@ -58,10 +42,11 @@ void Executor::run(Launch& launch) {
     } catch (const LaunchError& error) {
         const std::vector<MemoryFinding> findings = checker_->take_findings();
         if (findings.empty()) throw;
-        throw_findings(launch, findings, std::string("; then ") + error.what());
+        throw_findings(launch.kernel, launch.threads, findings,
+                       std::string("; then ") + error.what());
     }
     if (const std::vector<MemoryFinding> findings = checker_->take_findings(); !findings.empty()) {
-        throw_findings(launch, findings, "");
+        throw_findings(launch.kernel, launch.threads, findings, "");
     }
 }
 
@@ -72,7 +57,8 @@ void Executor::run_blocks(const Launch& launch) {
         return mixed(options_.schedule_seed, launches_, block);
     };
     if (options_.schedule != ScheduleKind::free) {
-        for (const std::uint32_t block : block_order(launch.blocks)) {
+        const Schedule schedule{options_.schedule, options_.schedule_seed};
+        for (const std::uint32_t block : block_order(schedule, launches_, launch.blocks)) {
             runners_.local().run(launch, block, options_.schedule, seed_of(block));
         }
         return;
@@ -89,17 +75,6 @@ void Executor::run_blocks(const Launch& launch) {
                 }
             });
     });
-}
-
-std::vector<std::uint32_t> Executor::block_order(std::uint32_t blocks) const {
-    std::vector<std::uint32_t> order(blocks);
-    std::iota(order.begin(), order.end(), 0u);
-    if (options_.schedule == ScheduleKind::reversed) std::reverse(order.begin(), order.end());
-    if (options_.schedule == ScheduleKind::shuffled) {
-        std::mt19937_64 generator(mixed(options_.schedule_seed, launches_, ~std::uint64_t{0}));
-        shuffle(order.begin(), order.end(), generator);
-    }
-    return order;
 }
 
 std::uint64_t Executor::threads_run() const {

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "emulation/device.h"
+#include "emulation/schedule.h"
 #include "emulation/simt/block_runner.h"
 #include "emulation/simt/check/memory_checker.h"
 #include "emulation/simt/task.h"
@@ -74,17 +74,21 @@ class Executor {
     void check_memory();
     /// Null where nothing is checked.
     MemoryChecker* checker() const { return checker_.get(); }
+    /// From now on the blocks of a launch are switched in their middle (interleave/); null: no
+    /// more. Needs check_memory() and instrumented kernels. What they touch is not checked
+    /// meanwhile.
+    void interleave(Interleaver* interleaver) { interleaver_ = interleaver; }
     /// Threads that were started and have left, over all launches: each once.
     std::uint64_t threads_run() const;
 
  private:
     void run(Launch& launch);
     void run_blocks(const Launch& launch);
-    std::vector<std::uint32_t> block_order(std::uint32_t blocks) const;
 
     SimtOptions options_;
     std::unique_ptr<MemoryChecker> checker_;
-    std::uint64_t launches_ = 0;  ///< so that shuffled orders differ from launch to launch
+    Interleaver* interleaver_ = nullptr;
+    std::uint64_t launches_ = 0;  ///< so that orders differ from launch to launch
     oneapi::tbb::task_arena arena_;
     oneapi::tbb::enumerable_thread_specific<BlockRunner> runners_;
 };

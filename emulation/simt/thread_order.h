@@ -7,7 +7,7 @@
 #include <numeric>
 #include <random>
 
-#include "emulation/device.h"
+#include "emulation/schedule.h"
 #include "emulation/simt/context.h"
 
 namespace scotty::emulation::simt {
@@ -37,9 +37,13 @@ class ThreadOrder {
         warps_ = warps;
         std::iota(warp_order.begin(), warp_order.begin() + warps, std::uint8_t{0});
         std::iota(lane_order.begin(), lane_order.end(), std::uint8_t{0});
-        if (kind == ScheduleKind::reversed) {
+        if (kind == ScheduleKind::reversed || kind == ScheduleKind::adversarial) {
             std::reverse(warp_order.begin(), warp_order.begin() + warps);
             std::reverse(lane_order.begin(), lane_order.end());
+        }
+        if (kind == ScheduleKind::strided) {
+            take_strided(warp_order.begin(), warps);
+            take_strided(lane_order.begin(), kLanes);
         }
         if (shuffles_) generator_.seed(seed);
     }
@@ -54,6 +58,14 @@ class ThreadOrder {
     std::array<std::uint8_t, kLanes> lane_order{};
 
  private:
+    /// As the blocks: block_order().
+    template <class Iterator>
+    static void take_strided(Iterator out, std::uint32_t count) {
+        for (const std::uint32_t i : block_order({ScheduleKind::strided, 0}, 1, count)) {
+            *out++ = static_cast<std::uint8_t>(i);
+        }
+    }
+
     bool shuffles_ = false;
     std::uint32_t warps_ = 0;
     std::mt19937_64 generator_;

@@ -29,8 +29,9 @@ std::vector<std::uint32_t> ascending(std::uint32_t count) {
 
 TEST_CASE("device: every block runs exactly once, under every schedule and thread count",
           "[emulation][device]") {
-    for (const ScheduleKind schedule : {ScheduleKind::free, ScheduleKind::linear,
-                                        ScheduleKind::reversed, ScheduleKind::shuffled}) {
+    for (const ScheduleKind schedule :
+         {ScheduleKind::free, ScheduleKind::linear, ScheduleKind::reversed, ScheduleKind::strided,
+          ScheduleKind::shuffled, ScheduleKind::adversarial}) {
         for (const std::size_t workers : {std::size_t{0}, std::size_t{1}, std::size_t{2}}) {
             Device device({workers, schedule, 5});
             for (const std::uint32_t blocks : {0u, 1u, 2u, 7u, 1000u}) {
@@ -89,13 +90,56 @@ TEST_CASE("device: a shuffled schedule is the same on every machine", "[emulatio
     CHECK(order_of(device, 8) == std::vector<std::uint32_t>{6, 4, 3, 7, 0, 5, 2, 1});
 }
 
+TEST_CASE("device: strided walks a square by its columns", "[emulation][device]") {
+    Device device({0, ScheduleKind::strided, 0});
+    CHECK(order_of(device, 7) == std::vector<std::uint32_t>{0, 3, 6, 1, 4, 2, 5});
+    CHECK(order_of(device, 1) == std::vector<std::uint32_t>{0});
+}
+
+TEST_CASE("device: adversarial makes block 0, the middle and neighbours late, launch by launch",
+          "[emulation][device]") {
+    using Order = std::vector<std::uint32_t>;
+    Device device({0, ScheduleKind::adversarial, 0});
+    for (int round = 0; round < 2; ++round) {
+        CHECK(order_of(device, 5) == Order{1, 2, 3, 4, 0});
+        CHECK(order_of(device, 5) == Order{4, 0, 3, 1, 2});
+        CHECK(order_of(device, 5) == Order{1, 3, 0, 2, 4});
+        CHECK(order_of(device, 5) == Order{2, 3, 4, 0, 1});
+    }
+    for (const std::uint32_t few : {0u, 1u, 2u, 3u}) {
+        for (int launch = 0; launch < 4; ++launch) {
+            Order order = order_of(device, few);
+            std::sort(order.begin(), order.end());
+            CHECK(order == ascending(few));
+        }
+    }
+}
+
+TEST_CASE("schedule: a word names one exactly, and comes back", "[emulation][device]") {
+    for (const std::string word :
+         {"free", "linear", "reversed", "strided", "adversarial", "shuffle:0", "shuffle:17"}) {
+        CHECK(to_string(parse_schedule(word)) == word);
+    }
+    CHECK(parse_schedule("shuffle:17").seed == 17);
+    for (const std::string word :
+         {"", "shuffle", "shuffle:", "shuffle:x", "shuffle:1 ", "serial"}) {
+        CHECK_THROWS_WITH(parse_schedule(word), Catch::Matchers::Contains("shuffle:SEED") &&
+                                                    Catch::Matchers::Contains("'" + word + "'"));
+    }
+    const std::vector<Schedule> six = seeded_schedules(6);
+    REQUIRE(six.size() == 6);
+    CHECK(to_string(six[3]) == "adversarial");
+    CHECK(to_string(six[5]) == "shuffle:2");
+    CHECK(seeded_schedules(2).size() == 2);
+}
+
 TEST_CASE("device: every thread ends a phase before any begins the next", "[emulation][device]") {
     Device device({2, ScheduleKind::free, 0});
     for (const std::uint32_t threads : {32u, 64u, 1024u}) {
         std::atomic<int> late{0};
         std::atomic<int> idle{0};
         device.launch(20, threads, [&](const Block& block) {
-            PerThread<std::uint32_t> values;
+            Shared<std::uint32_t> values("values");
             block.phase(
                 [&](std::uint32_t thread) { values[thread] = block.global_thread(thread); });
             block.phase([&](std::uint32_t thread) {

@@ -124,7 +124,7 @@ TEST_CASE("trace: equals brute force bit for bit, whatever the parameters",
             if (below(10) == 0) ray.direction = Vec3(0, below(2) == 0 ? 1.0f : -1.0f, 0);
         }
         const PipelineParameters p = random_parameters(random);
-        const DeviceOptions device{1 + below(2), static_cast<ScheduleKind>(below(4)), seed};
+        const DeviceOptions device{1 + below(2), static_cast<ScheduleKind>(below(6)), seed};
         const std::vector<Hit> exact = brute_force(scene, rays);
         RC_ASSERT(same_bits(trace(scene, rays, p, TraversalKind::closest, nullptr, device), exact));
         // An any-hit query says the same about whether there is a hit.

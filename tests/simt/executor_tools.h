@@ -22,6 +22,7 @@ using emulation::simt::ThreadGroup;
 inline std::vector<SimtOptions> every_order() {
     return {{1, ScheduleKind::free, 0},     {2, ScheduleKind::free, 0},
             {0, ScheduleKind::linear, 0},   {0, ScheduleKind::reversed, 0},
+            {0, ScheduleKind::strided, 0},  {0, ScheduleKind::adversarial, 0},
             {0, ScheduleKind::shuffled, 1}, {0, ScheduleKind::shuffled, 2}};
 }
 

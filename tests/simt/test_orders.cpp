@@ -47,6 +47,25 @@ TEST_CASE("orders: linear is ascending, reversed descending, phase by phase", "[
     }
 }
 
+TEST_CASE("orders: adversarial starts at the last thread, another block first at each launch",
+          "[simt][order]") {
+    Executor executor({0, ScheduleKind::adversarial, 0});
+    const auto first = order_of(executor);
+    const auto second = order_of(executor);
+    CHECK(first[0] == 2 * kThreads - 1);  // block 1: block 0 comes last
+    CHECK(first.back() == 0);
+    CHECK(second[0] == 5 * kThreads - 1);
+    CHECK(second[2 * kThreads] == kThreads - 1);
+}
+
+TEST_CASE("orders: strided takes warps and lanes in strides too", "[simt][order]") {
+    const auto order = order_of({0, ScheduleKind::strided, 0});
+    CHECK(std::vector<std::uint32_t>(order.begin(), order.begin() + 7) ==
+          std::vector<std::uint32_t>{0, 6, 12, 18, 24, 30, 1});
+    CHECK(order[32] == 64);  // warps 0, 2, 1
+    CHECK(order[40] == 32);
+}
+
 TEST_CASE("orders: a seed gives one order, other seeds others", "[simt][order]") {
     const auto one = order_of({0, ScheduleKind::shuffled, 1});
     CHECK(one == order_of({0, ScheduleKind::shuffled, 1}));

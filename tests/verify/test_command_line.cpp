@@ -23,7 +23,7 @@ Result scotty(const std::string& arguments) { return run_scotty(arguments); }
 
 constexpr const char* kQuick =
     " --size 9x5 --spp 1 --bounces 1 --light-samples 1 --threads 1 --width 8 --rays-per-block 64 "
-    "--schedule parallel";
+    "--schedule free";
 
 TEST_CASE("command: help and version go to standard output and pass", "[verify][cli]") {
     for (const std::string command :
@@ -74,7 +74,7 @@ TEST_CASE("command: bad usage and bad input exit with 2 and one clear line", "[v
         {"verify cornell --width 3", "found 3"},
         {"verify cornell --width 8,,4", "--width"},
         {"verify cornell --hit-mode stack", "buffer, packed"},
-        {"verify cornell --schedule backwards", "shuffled"},
+        {"verify cornell --schedule backwards", "shuffle:SEED"},
         {"verify cornell" + std::string(kQuick) + " --no-oracles --stage nosuchstage",
          "nosuchstage"},
         {"bench", "what"},

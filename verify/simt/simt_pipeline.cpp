@@ -2,6 +2,7 @@
 
 #include "emulation/simt/check/source_line.h"
 #include "emulation/simt/current_device.h"
+#include "emulation/watch.h"
 #include "gpu/pipeline_build.h"
 
 namespace scotty::simt {
@@ -54,6 +55,15 @@ class SimtPipeline final : public gpu::Pipeline {
     std::unique_ptr<gpu::Pipeline> pipeline_;
 };
 
+/// Of the emulator, which is watched in this program too.
+const emulation::simt::MemoryChecker* volume_checker() {
+#if defined(SCOTTY_CHECKED)
+    return emulation::Watch::latest();
+#else
+    return nullptr;
+#endif
+}
+
 }  // namespace
 
 bool checks_memory() {
@@ -66,8 +76,10 @@ bool checks_memory() {
 
 std::optional<WrittenBy> written_by(const void* shown) {
     const Executor* executor = CurrentDevice::current();
-    if (executor == nullptr || executor->checker() == nullptr) return std::nullopt;
-    const auto writer = executor->checker()->last_writer(shown);
+    const emulation::simt::MemoryChecker* checker =
+        executor != nullptr ? executor->checker() : volume_checker();
+    if (checker == nullptr) return std::nullopt;
+    const auto writer = checker->last_writer(shown);
     if (!writer) return std::nullopt;
     return WrittenBy{writer->kernel, writer->in_last_launch, writer->block, writer->thread,
                      emulation::simt::source_line(writer->place)};

@@ -14,7 +14,7 @@ namespace scotty::simt {
 
 using emulation::simt::SimtOptions;
 
-/// Whether this program was built to check every load and store of the kernels
+/// Whether this program was built to check every load and store of the kernels, of both tiers
 /// (emulation/simt/check/): scotty-checked is, scotty is not.
 bool checks_memory();
 

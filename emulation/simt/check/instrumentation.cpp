@@ -9,6 +9,7 @@
 
 #include "emulation/simt/check/memory_checker.h"
 #include "emulation/simt/context.h"
+#include "emulation/simt/interleave/interleaver.h"
 
 namespace {
 
@@ -17,7 +18,10 @@ using scotty::emulation::simt::context;
 
 inline void note(Access access, const void* address, std::size_t bytes, const void* place) {
     const auto& now = context;
-    if (now.checker == nullptr) return;
+    if (now.checker == nullptr) {
+        if (now.interleaver != nullptr) now.interleaver->on_access(access, address, bytes);
+        return;
+    }
     now.checker->on_access(access, address, bytes, place,
                            {now.launch, now.block, now.thread, now.phase}, *now.shared,
                            now.shared_shadow);

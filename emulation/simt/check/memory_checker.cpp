@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "emulation/simt/check/source_line.h"
+#include "reference/error.h"
 
 namespace scotty::emulation::simt {
 
@@ -85,22 +86,25 @@ constexpr Conflicts kConflicts[4] = {
 };
 constexpr std::size_t index(Access access) { return static_cast<std::size_t>(access); }
 
-const char* verb(Access access) {
-    switch (access) {
-        case Access::read:
-            return "reads it";
-        case Access::write:
-            return "writes it";
-        case Access::atomic:
-            return "changes it atomically";
-        case Access::relaxed_read:
-            return "reads it while others may write";
-    }
-    return "";
+/// Relaxed reads that an atomic of their launch met, by place: of the whole process.
+struct RelaxedTally {
+    std::mutex mutex;
+    std::map<std::uint32_t, std::uint64_t> met;
+};
+RelaxedTally& relaxed_tally() {
+    static RelaxedTally tally;
+    return tally;
 }
 
-std::string who_text(std::uint32_t thread, std::uint32_t block) {
-    return "thread " + std::to_string(thread) + " of block " + std::to_string(block);
+/// The one of the two may have come first.
+void tally_relaxed(const Shadow& shadow, Access access, std::uint32_t place, const Accessor& who,
+                   bool shared) {
+    const bool reads = access == Access::relaxed_read;
+    const Stamp other = load(shadow.of[index(reads ? Access::atomic : Access::relaxed_read)]);
+    if (!unordered(other, who, shared)) return;
+    RelaxedTally& tally = relaxed_tally();
+    const std::scoped_lock lock(tally.mutex);
+    ++tally.met[reads ? place : other.place];
 }
 
 }  // namespace
@@ -123,6 +127,31 @@ void* MemoryChecker::allocate(std::size_t bytes) {
     std::memset(states_ + offset / 4, unwritten, (bytes + 3) / 4);
     allocations_[offset] = {bytes, "device memory"};
     return memory_.data() + offset;
+}
+
+void MemoryChecker::forget_all() {
+    std::memset(states_, nobodys, (used_ + 3) / 4);
+    allocations_.clear();
+    downloads_.clear();
+    used_ = kGuard;
+}
+
+void* MemoryChecker::allocate_or_throw(std::size_t bytes, const char* name) {
+    void* const memory = allocate(std::max<std::size_t>(bytes, 1));
+    if (memory == nullptr) {
+        throw reference::Error::missing_environment(
+            "--check: no room for " + std::to_string(bytes) + " bytes of " + name +
+            "; the device under the checker has 4 GiB in all: trace fewer rays at once "
+            "(--batch-rays)");
+    }
+    label(memory, name);
+    return memory;
+}
+
+void MemoryChecker::discard(const void* memory, std::size_t bytes, bool each_slot_once) {
+    const std::uintptr_t offset = reinterpret_cast<std::uintptr_t>(memory) - begin_;
+    if (offset >= kDeviceBytes) return;
+    std::memset(states_ + offset / 4, each_slot_once ? unwritten_once : unwritten, (bytes + 3) / 4);
 }
 
 bool MemoryChecker::release(void* memory) {
@@ -158,12 +187,17 @@ void MemoryChecker::note_download(const void* host, const void* device, std::siz
 
 std::optional<Writer> MemoryChecker::last_writer(const void* host) const {
     const auto at = reinterpret_cast<std::uintptr_t>(host);
+    if (at - begin_ < kDeviceBytes) return writer_of((at - begin_) / 4);
     // The latest: memory of the host is used again.
     const auto download = std::find_if(
         downloads_.rbegin(), downloads_.rend(),
         [&](const Download& candidate) { return at - candidate.host < candidate.bytes; });
     if (download == downloads_.rend()) return std::nullopt;
-    const Shadow& shadow = shadows_[(download->offset + (at - download->host)) / 4];
+    return writer_of((download->offset + (at - download->host)) / 4);
+}
+
+std::optional<Writer> MemoryChecker::writer_of(std::size_t word) const {
+    const Shadow& shadow = shadows_[word];
     const Stamp& plain = shadow.of[index(Access::write)];
     const Stamp& atomic = shadow.of[index(Access::atomic)];
     const bool atomically = atomic.launch > plain.launch;
@@ -193,18 +227,9 @@ void MemoryChecker::check_device(Access access, std::uintptr_t offset, std::size
                                  std::uint32_t place, const Accessor& who) {
     const std::size_t end = std::min(offset + bytes + 3, kDeviceBytes) / 4;
     for (std::size_t word = offset / 4; word < end; ++word) {
-        const std::uint8_t state = __atomic_load_n(states_ + word, __ATOMIC_RELAXED);
-        if (state != written) [[unlikely]] {
-            using Kind = MemoryFinding::Kind;
-            const Kind kind = state == nobodys ? Kind::outside
-                              : state == freed ? Kind::freed
-                                               : Kind::unwritten;
-            if (kind == Kind::unwritten && access == Access::write) {
-                __atomic_store_n(states_ + word, written, __ATOMIC_RELAXED);
-            } else {
-                report(kind, access, place, who, nullptr, access, 4 * word, nullptr);
-                return;
-            }
+        if (__atomic_load_n(states_ + word, __ATOMIC_RELAXED) != written &&
+            !settle(access, word, place, who)) [[unlikely]] {
+            return;
         }
         Shadow& shadow = shadows_[word];
         const Conflicts& conflicts = kConflicts[index(access)];
@@ -215,6 +240,9 @@ void MemoryChecker::check_device(Access access, std::uintptr_t offset, std::size
                        4 * word, nullptr);
             }
         }
+        if (access == Access::relaxed_read || access == Access::atomic) {
+            tally_relaxed(shadow, access, place, who, false);
+        }
         if (access == Access::write) {
             // Two writes by two threads, and one of them is not the last: that is a race already.
             store(shadow.of[index(access)], {who.launch, who.block, place, when_of(who)});
@@ -222,6 +250,34 @@ void MemoryChecker::check_device(Access access, std::uintptr_t offset, std::size
             note(shadow.of[index(access)], place, who, false);
         }
     }
+}
+
+bool MemoryChecker::settle(Access access, std::size_t word, std::uint32_t place,
+                           const Accessor& who) {
+    using Kind = MemoryFinding::Kind;
+    const auto found = [&](Kind kind, const Stamp* other) {
+        report(kind, access, place, who, other, Access::write, 4 * word, nullptr);
+        return false;
+    };
+    const std::uint8_t state = __atomic_load_n(states_ + word, __ATOMIC_RELAXED);
+    switch (state) {
+        case nobodys:
+            return found(Kind::outside, nullptr);
+        case freed:
+            return found(Kind::freed, nullptr);
+        case written_once: {
+            if (access != Access::write) return true;
+            const Stamp other = load(shadows_[word].of[index(Access::write)]);
+            // Unordered, it is a race, which says more.
+            return unordered(other, who, false) || found(Kind::twice, &other);
+        }
+        default:
+            break;
+    }
+    if (access != Access::write) return found(Kind::unwritten, nullptr);
+    const std::uint8_t now = state == unwritten_once ? written_once : written;
+    __atomic_store_n(states_ + word, now, __ATOMIC_RELAXED);
+    return true;
 }
 
 void MemoryChecker::check_shared(Access access, std::uintptr_t offset, std::size_t bytes,
@@ -250,6 +306,9 @@ void MemoryChecker::check_shared(Access access, std::uintptr_t offset, std::size
                        4 * word, &shared);
             }
         }
+        if (access == Access::relaxed_read || access == Access::atomic) {
+            tally_relaxed(shadow, access, place, who, true);
+        }
         if (access == Access::write) {
             shadow.of[index(access)] = {who.launch, who.block, place, when_of(who)};
         } else {
@@ -258,12 +317,27 @@ void MemoryChecker::check_shared(Access access, std::uintptr_t offset, std::size
     }
 }
 
+void MemoryChecker::report_register(const Accessor& who, std::uint32_t owner, const void* place) {
+    const std::scoped_lock lock(findings_mutex_);
+    const std::uint32_t offset = offset_in_text(place);
+    const std::uint64_t key = static_cast<std::uint64_t>(offset) << 34 |
+                              static_cast<std::uint64_t>(MemoryFinding::Kind::foreign);
+    if (findings_.size() >= kMostFindings || !reported_.insert(key).second) return;
+    MemoryFinding finding;
+    finding.kind = MemoryFinding::Kind::foreign;
+    finding.block = who.block;
+    finding.thread = who.thread;
+    finding.place = offset;
+    finding.other_thread = owner;
+    findings_.push_back(std::move(finding));
+}
+
 void MemoryChecker::report(MemoryFinding::Kind kind, Access access, std::uint32_t place,
                            const Accessor& who, const Stamp* other, Access other_access,
                            std::uintptr_t offset, const SharedMemory* shared) {
     const std::scoped_lock lock(findings_mutex_);
     const std::uint64_t key =
-        (static_cast<std::uint64_t>(place) << 32 | (other != nullptr ? other->place : 0u)) * 4 +
+        (static_cast<std::uint64_t>(place) << 32 | (other != nullptr ? other->place : 0u)) * 8 +
         static_cast<std::uint64_t>(kind);
     if (findings_.size() >= kMostFindings || !reported_.insert(key).second) return;
     MemoryFinding finding;
@@ -303,24 +377,18 @@ std::string MemoryChecker::name_of(std::uintptr_t offset) const {
            std::to_string(allocation.bytes) + " bytes)";
 }
 
-std::string to_text(const MemoryFinding& finding) {
-    const std::vector<std::string> lines = source_lines({finding.place, finding.other_place});
-    std::string one =
-        who_text(finding.thread, finding.block) + " " + verb(finding.access) + " at " + lines[0];
-    switch (finding.kind) {
-        case MemoryFinding::Kind::race:
-            return "data race on " + finding.memory + ": " +
-                   who_text(finding.other_thread, finding.other_block) + " " +
-                   verb(finding.other_access) + " at " + lines[1] + ", " + one +
-                   (finding.block == finding.other_block ? ", and no barrier is between" : "");
-        case MemoryFinding::Kind::unwritten:
-            return "nobody has written " + finding.memory + ": " + one;
-        case MemoryFinding::Kind::outside:
-            return "out of bounds, " + finding.memory + ": " + one;
-        case MemoryFinding::Kind::freed:
-            return "freed memory, " + finding.memory + ": " + one;
-    }
-    return one;
+std::vector<RelaxedMeetings> relaxed_meetings() {
+    RelaxedTally& tally = relaxed_tally();
+    const std::scoped_lock lock(tally.mutex);
+    std::vector<std::uint32_t> places;
+    for (const auto& [place, met] : tally.met) places.push_back(place);
+    const std::vector<std::string> lines = source_lines(places);
+    // A function inlined in several kernels has several places.
+    std::map<std::string, std::uint64_t> by_line;
+    for (std::size_t i = 0; i < places.size(); ++i) by_line[lines[i]] += tally.met[places[i]];
+    std::vector<RelaxedMeetings> out;
+    for (const auto& [line, met] : by_line) out.push_back({line, met});
+    return out;
 }
 
 }  // namespace scotty::emulation::simt

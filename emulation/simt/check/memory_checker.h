@@ -51,13 +51,13 @@ struct Accessor {
 
 /// Two accesses that conflict, or one that should not have been.
 struct MemoryFinding {
-    enum class Kind : std::uint8_t { race, unwritten, outside, freed };
+    enum class Kind : std::uint8_t { race, foreign, twice, unwritten, outside, freed };
     Kind kind = Kind::race;
     Access access = Access::read;
     std::uint32_t block = 0;
     std::uint32_t thread = 0;
     std::uint32_t place = 0;
-    // Of a race: the other one.
+    // Of a race, and of a slot written twice: the other one.
     Access other_access = Access::read;
     std::uint32_t other_block = 0;
     std::uint32_t other_thread = 0;
@@ -67,6 +67,17 @@ struct MemoryFinding {
 /// "data race on shared memory of the block, byte 12: thread 3 of block 0 writes it at gpu/a.h:10,
 /// thread 5 of block 0 reads it at gpu/a.h:12".
 std::string to_text(const MemoryFinding& finding);
+/// Fails a launch for what was found, at least one thing: a LaunchError. `after` ends its message.
+[[noreturn]] void throw_findings(const std::string& kernel, std::uint32_t threads,
+                                 std::vector<MemoryFinding> findings, const std::string& after);
+
+/// Reads that others may overtake (load_relaxed), by their place in the text.
+struct RelaxedMeetings {
+    std::string line;
+    std::uint64_t met = 0;  ///< how often nothing ordered one of them and an atomic of its launch
+};
+/// Of all checkers of this process so far, by line.
+std::vector<RelaxedMeetings> relaxed_meetings();
 
 /// Who wrote a word last.
 struct Writer {
@@ -90,8 +101,15 @@ class MemoryChecker {
 
     /// Unwritten memory with a guard on either side; null where there is no room.
     void* allocate(std::size_t bytes);
+    /// The same with a name; throws missing_environment where there is no room.
+    void* allocate_or_throw(std::size_t bytes, const char* name);
+    /// Nobody needs what is in it: unwritten again. `each_slot_once`: from now on a second write to
+    /// a place is a finding.
+    void discard(const void* memory, std::size_t bytes, bool each_slot_once);
     /// False: the memory is not from here.
     bool release(void* memory);
+    /// Nobody holds memory any more: the next allocation is where the first was.
+    void forget_all();
     /// What reports call it.
     void label(const void* memory, const char* name);
     /// The host has written here.
@@ -99,7 +117,8 @@ class MemoryChecker {
     /// The host has a copy: so that last_writer() finds where it is from. Until the next launch.
     void note_download(const void* host, const void* device, std::size_t bytes);
 
-    /// The kernel that wrote the word of a host copy; none where it was not a kernel.
+    /// The kernel that wrote a word of device memory, or of a host copy of it; none where it was
+    /// not a kernel.
     std::optional<Writer> last_writer(const void* host) const;
 
     // Launches.
@@ -108,6 +127,9 @@ class MemoryChecker {
     std::uint32_t begin_launch(const char* kernel);
     /// What was found since the last call, the same place of the text once.
     std::vector<MemoryFinding> take_findings();
+
+    /// A thread has touched another's register (PerThread). On any worker.
+    void report_register(const Accessor& who, std::uint32_t owner, const void* place);
 
     /// From the instrumented kernel, on any worker. `shared` and `shared_shadow`: of its block.
     /// Addresses that are neither device nor shared memory are the thread's own affair.
@@ -126,11 +148,16 @@ class MemoryChecker {
         }
     }
 
+    /// kDeviceBytes or more: no device memory.
+    std::uintptr_t offset_of(const void* address) const {
+        return reinterpret_cast<std::uintptr_t>(address) - begin_;
+    }
+
     /// What the pretended device has.
     static constexpr std::size_t kDeviceBytes = std::size_t{1} << 32;
 
  private:
-    enum State : std::uint8_t { nobodys, freed, unwritten, written };
+    enum State : std::uint8_t { nobodys, freed, unwritten, written, unwritten_once, written_once };
     struct Allocation {
         std::size_t bytes;
         std::string name;
@@ -149,10 +176,13 @@ class MemoryChecker {
                       const Accessor& who);
     void check_shared(Access access, std::uintptr_t offset, std::size_t bytes, std::uint32_t place,
                       const Accessor& who, const SharedMemory& shared, Shadow* shadows);
+    /// Whether a word that is not simply written may be touched so; notes that it has been.
+    bool settle(Access access, std::size_t word, std::uint32_t place, const Accessor& who);
     /// `shared`: null for device memory. `other`: of a race.
     void report(MemoryFinding::Kind kind, Access access, std::uint32_t place, const Accessor& who,
                 const Stamp* other, Access other_access, std::uintptr_t offset,
                 const SharedMemory* shared);
+    std::optional<Writer> writer_of(std::size_t word) const;
     /// With findings_mutex_ held, or while no kernel runs.
     std::string name_of(std::uintptr_t offset) const;
 

@@ -26,9 +26,14 @@ std::string output_of(const std::string& command) {
     return text;
 }
 
+/// gpu/, tests/, and of emulation/ what is a kernel or its host side, not what these are made of.
 bool is_kernel_text(std::string_view line) {
-    return line.find("gpu/") != std::string_view::npos ||
-           line.find("tests/") != std::string_view::npos;
+    const auto has = [&](std::string_view part) {
+        return line.find(part) != std::string_view::npos;
+    };
+    if (has("gpu/") || has("tests/")) return true;
+    return has("emulation/") && !has("emulation/simt/") && !has("/atomics.h") &&
+           !has("/device.h") && !has("/device_buffer.h") && !has("/watch.h");
 }
 
 /// addr2line prints the address and then a line for each inlined call, innermost first.

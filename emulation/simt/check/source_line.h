@@ -11,9 +11,9 @@ namespace scotty::emulation::simt {
 std::uintptr_t program_begin();
 
 /// "gpu/intersect.h:107" for every offset, by binutils' addr2line and the program's own line
-/// tables: of calls that were inlined the innermost that lies in gpu/ or a test, or else the
-/// innermost. Without addr2line or line tables "scotty+0x1234". Takes a second; remembers what it
-/// was asked.
+/// tables: of calls that were inlined the innermost that is a kernel's or a test's, or else
+/// the innermost. Without addr2line or line tables "scotty+0x1234". Takes a second; remembers what
+/// it was asked.
 std::vector<std::string> source_lines(const std::vector<std::uint32_t>& offsets);
 std::string source_line(std::uint32_t offset);
 

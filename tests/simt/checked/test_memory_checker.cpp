@@ -55,6 +55,12 @@ SCOTTY_KERNEL(write_word)(std::uint32_t* to, std::uint32_t index) {
     if (thread_index() == 3) to[index] = 1;
     SCOTTY_RETURN;
 }
+SCOTTY_KERNEL(write_slot_in_two_phases)(std::uint32_t* to) {
+    if (thread_index() == 3) to[2] = 1;
+    SCOTTY_SYNC();
+    if (thread_index() == 5) to[2] = 2;
+    SCOTTY_RETURN;
+}
 SCOTTY_KERNEL(read_unwritten_shared)(std::uint32_t* out) {
     SCOTTY_SHARED(Words, shared);
     if (thread_index() == 0) shared.at[0] = 1;
@@ -210,6 +216,26 @@ TEST_CASE("checker: memory that nobody has written, that is not there, or no mor
         }),
         says(
             "out of bounds, shared memory behind all of it, byte 176: thread 5 of block 0 writes"));
+}
+
+TEST_CASE("checker: a slot written twice names both writers, one never written its reader",
+          "[simt][checker]") {
+    Checked device({});
+    discard_slots(device.memory, 400);
+    const std::string what = said([&] {
+        device.executor.launch("write_slot_in_two_phases", 1, 32, write_slot_in_two_phases,
+                               device.memory);
+    });
+    CHECK_THAT(what,
+               says("slot written twice, the test's memory, byte 8 of 4096: thread 3 of block "
+                    "0 writes it at .*, thread 5 of block 0 writes it at"));
+    discard_slots(device.memory, 400);  // another launch: the slots are new
+    device.executor.launch("write_word", 1, 32, write_word, device.memory, 2);
+    CHECK_THAT(said([&] {
+                   device.executor.launch("read_word", 1, 32, read_word, device.memory, 3,
+                                          device.memory + 200);
+               }),
+               says("nobody has written the test's memory, byte 12"));
 }
 
 TEST_CASE("checker: warp collectives order no memory", "[simt][checker]") {

@@ -1,0 +1,121 @@
+/// The volume tier under the checker: who runs, in which phase, on which memory. The checked
+/// build's half of emulation/watch.h, which includes it.
+#pragma once
+
+#include <oneapi/tbb/enumerable_thread_specific.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "emulation/schedule.h"
+#include "emulation/simt/check/memory_checker.h"
+#include "emulation/simt/context.h"
+#include "emulation/simt/shared_memory.h"
+#include "reference/launch_record.h"
+
+namespace scotty::emulation {
+
+/// What the order of the threads of a block is made of.
+struct Turns {
+    Schedule schedule;
+    std::uint64_t launch = 0;
+};
+
+/// Of one device: its checker, and where its workers are.
+class Watch {
+    /// Shared memory of the blocks that a worker runs, one after the other.
+    struct Worker {
+        simt::SharedMemory shared;
+        std::vector<simt::Shadow> shadow =
+            std::vector<simt::Shadow>(simt::SharedMemory::kBytes / 4);
+    };
+
+ public:
+    Watch();
+    ~Watch();
+    Watch(const Watch&) = delete;
+    Watch& operator=(const Watch&) = delete;
+
+    class InBlock {
+     public:
+        InBlock(Watch& watch, std::uint32_t index, std::uint32_t threads);
+        ~InBlock() { simt::context = {}; }
+        InBlock(const InBlock&) = delete;
+        InBlock& operator=(const InBlock&) = delete;
+    };
+    void begin_launch(std::uint32_t threads, const Schedule& schedule, std::uint64_t launch);
+    /// Throws LaunchError where something was found.
+    void end_launch();
+    static void name_launch(reference::StageKind kind, const reference::StagePlace& place,
+                            std::size_t launch);
+
+    /// What stands between phases is a phase of its own, in which thread 0 does the block's work.
+    static void begin_phase() { ++simt::context.phase; }
+    static void begin_thread(std::uint32_t thread) { simt::context.thread = thread; }
+    static void end_turn() { ++simt::context.phase; }
+    static void end_phase() {
+        ++simt::context.phase;
+        simt::context.thread = 0;
+    }
+    /// The threads of a phase, in the order of the schedule.
+    static std::uint32_t turn(std::uint32_t i, std::uint32_t active);
+    static void own_register(std::uint32_t thread) {
+        if (thread != simt::context.thread) foreign_register(thread);
+    }
+
+    simt::MemoryChecker& checker() { return *checker_; }
+    /// The checker of this host thread's latest device; null where there is none.
+    static simt::MemoryChecker* latest();
+
+ private:
+    [[gnu::noinline]] static void foreign_register(std::uint32_t owner);
+
+    std::unique_ptr<simt::MemoryChecker> checker_;
+    oneapi::tbb::enumerable_thread_specific<Worker> workers_;
+    std::string kernel_;  ///< of the launch that runs, as reports call it
+    Turns turns_;
+    std::uint32_t number_ = 0;
+    std::uint32_t threads_ = 0;
+};
+
+template <class T>
+struct WatchedMemory {
+    /// The checker's memory, or, without a watch, plain memory.
+    struct Release {
+        simt::MemoryChecker* checker = nullptr;
+        void operator()(T* memory) const {
+            if (checker == nullptr) {
+                delete[] memory;
+            } else {
+                checker->release(memory);
+            }
+        }
+    };
+    using Pointer = std::unique_ptr<T[], Release>;
+    static Pointer allocate(Watch* watch, std::size_t count, const char* name, BufferUse use) {
+        if (watch == nullptr) return Pointer(new T[count]);
+        auto* memory = static_cast<T*>(watch->checker().allocate_or_throw(count * sizeof(T), name));
+        discard(watch, memory, count, use);
+        return Pointer(memory, Release{&watch->checker()});
+    }
+    static void host_wrote(Watch* watch, const T* memory, std::size_t count) {
+        if (watch != nullptr) watch->checker().note_upload(memory, count * sizeof(T));
+    }
+    static void discard(Watch* watch, const T* memory, std::size_t count, BufferUse use) {
+        if (watch == nullptr) return;
+        watch->checker().discard(memory, count * sizeof(T), use == BufferUse::each_slot_once);
+    }
+};
+
+template <class T, std::uint32_t Count>
+struct WatchedShared {
+    explicit WatchedShared(const char* name)
+        : values(static_cast<T*>(
+              simt::context.shared->object(name, name, Count * sizeof(T), alignof(T)))) {}
+    T* values;
+};
+
+}  // namespace scotty::emulation

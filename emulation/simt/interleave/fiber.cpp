@@ -1,0 +1,43 @@
+#include "emulation/simt/interleave/fiber.h"
+
+#include <cstdint>
+#include <utility>
+
+namespace scotty::emulation::simt {
+
+Fiber::Fiber() : stack_(std::make_unique<std::byte[]>(kStack)) {}
+
+void Fiber::start(std::function<void()> body) {
+    body_ = std::move(body);
+    over_ = false;
+    error_ = nullptr;
+    kept_ = {};
+    ::getcontext(&own_);
+    own_.uc_stack.ss_sp = stack_.get();
+    own_.uc_stack.ss_size = kStack;
+    own_.uc_link = &caller_;
+    // makecontext() passes ints: the pointer goes in halves.
+    const auto self = reinterpret_cast<std::uintptr_t>(this);
+    ::makecontext(&own_, reinterpret_cast<void (*)()>(&Fiber::enter), 2,
+                  static_cast<unsigned>(self), static_cast<unsigned>(self >> 32));
+}
+
+void Fiber::enter(unsigned low, unsigned high) {
+    auto* self = reinterpret_cast<Fiber*>(std::uintptr_t{high} << 32 | low);
+    try {
+        self->body_();
+    } catch (...) {
+        self->error_ = std::current_exception();
+    }
+    self->over_ = true;
+}
+
+void Fiber::resume() {
+    std::swap(context, kept_);
+    ::swapcontext(&caller_, &own_);
+    std::swap(context, kept_);
+}
+
+void Fiber::stand() { ::swapcontext(&own_, &caller_); }
+
+}  // namespace scotty::emulation::simt

@@ -1,0 +1,41 @@
+/// What the checker of loads and stores costs on each tier, beside the same tier unchecked.
+#pragma once
+
+#include "verify/bench.h"
+
+namespace scotty::verify {
+
+struct CheckBenchPart {
+    std::string name;      ///< of the back end
+    double limit = 0.0;    ///< what the ratio may be
+    double plain = 0.0;    ///< seconds a render, the median
+    double checked = 0.0;  ///< of scotty-checked
+
+    double ratio() const { return checked / plain; }
+    bool within() const { return ratio() <= limit; }
+};
+
+struct CheckBenchReport {
+    std::string scene;
+    std::uint64_t triangles = 0;
+    reference::PipelineParameters parameters;
+    std::size_t threads = 0;
+    int repeats = 0;
+    std::vector<CheckBenchPart> parts;
+
+    bool passed() const;
+};
+
+/// Seconds of each render: "emulator" and "simt", by turns, as this program runs them. Throws
+/// internal where the two pictures differ.
+nlohmann::json render_seconds(const reference::Scene& scene, const BenchSettings& settings);
+
+/// Round by round: here, and then in a scotty-checked of its own, started as `command`, which
+/// prints its render_seconds(). Throws missing_environment where that cannot be had.
+CheckBenchReport bench_check(const reference::Scene& scene, const BenchSettings& settings,
+                             const std::string& command);
+
+std::string table(const CheckBenchReport& report);
+nlohmann::json to_json(const CheckBenchReport& report);
+
+}  // namespace scotty::verify
