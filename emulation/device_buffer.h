@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <span>
+#include <string>
 
 #include "emulation/device.h"
 #include "emulation/watch.h"
+#include "reference/memory.h"
 
 namespace scotty::emulation {
 
@@ -23,6 +25,13 @@ class DeviceBuffer {
     /// At least `count` elements; what was in it is lost when it has to grow.
     void resize(std::size_t count) {
         if (count > capacity_) {
+            if (count * sizeof(T) >= kLarge) {
+                reference::require_memory(count * sizeof(T),
+                                          std::string("the buffer of ") + name_ + " (" +
+                                              std::to_string(count) + " of " +
+                                              std::to_string(sizeof(T)) + " bytes)",
+                                          "fewer --batch-rays or a smaller image need less");
+            }
             memory_.reset();
             memory_ = WatchedMemory<T>::allocate(watch_, count, name_, use_);
             capacity_ = count;
@@ -54,6 +63,9 @@ class DeviceBuffer {
     Watch* watch_ = nullptr;
     const char* name_ = "";
     BufferUse use_ = BufferUse::any;
+    /// Bytes from which on it is asked whether they are there.
+    static constexpr std::size_t kLarge = std::size_t{1} << 24;
+
     typename WatchedMemory<T>::Pointer memory_;
     std::size_t count_ = 0;
     std::size_t capacity_ = 0;

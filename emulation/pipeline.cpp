@@ -17,6 +17,7 @@
 #include "emulation/scene_rays.h"
 #include "emulation/traversal.h"
 #include "reference/assert.h"
+#include "reference/memory.h"
 
 namespace scotty::emulation {
 
@@ -113,6 +114,10 @@ reference::Image Pipeline::State::render() {
     const std::uint32_t pixels_at_once =
         std::max(1u, std::min(pixels, parameters_.batch_rays / samples));
     several_batches_ = pixels_at_once < pixels || samples < parameters_.spp;
+    reference::require_memory(  // as the device has it, filtered, and as it is handed out
+        std::uint64_t{3} * sizeof(Vec3) * pixels,
+        fmt::format("the image of {}x{} pixels", parameters_.image_width, parameters_.image_height),
+        "a smaller one needs less");
     image_.resize(pixels);
     image_.fill(Vec3(0.0f, 0.0f, 0.0f));
 

@@ -15,6 +15,7 @@
 
 #include "reference/error.h"
 #include "reference/path_tracer.h"
+#include "reference/write_file.h"
 
 namespace scotty::reference {
 
@@ -106,17 +107,7 @@ void PathTracerState::save(const SampleSums& sums) const {
     append(bytes, sums.sum_of_squares);
     const std::uint64_t hash = hash_of(bytes);
     bytes.append(reinterpret_cast<const char*>(&hash), sizeof hash);
-    const fs::path partial = file_.string() + ".unfinished";
-    std::ofstream out(partial, std::ios::binary);
-    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    out.close();
-    std::error_code error;
-    if (out) fs::rename(partial, file_, error);
-    if (!out || error) {
-        const std::string why = error ? error.message() : "is the disk full, or no such folder?";
-        fs::remove(partial, error);
-        throw Error::bad_input(file_.string(), "cannot be written: " + why);
-    }
+    write_file(file_, bytes);
 }
 
 }  // namespace scotty::reference

@@ -11,6 +11,7 @@
 
 #include "reference/binary_bvh.h"
 #include "reference/error.h"
+#include "reference/memory.h"
 #include "reference/wide_bvh.h"
 #include "reference/wide_bvh_compaction.h"
 
@@ -157,6 +158,9 @@ void validate(const BvhParameters& parameters) {
     }
 }
 
+/// At the peak, a triangle: measured on blobs of one and three million triangles.
+constexpr std::uint64_t kBytesToBuild = 200;
+
 WideBvh build_wide_bvh(const Scene& scene, const BvhParameters& parameters) {
     validate(parameters);
     if (scene.triangles.empty()) {
@@ -168,6 +172,9 @@ WideBvh build_wide_bvh(const Scene& scene, const BvhParameters& parameters) {
         throw Error::bad_input(scene.name, fmt::format("expected fewer than {} triangles, found {}",
                                                        kLeafBit / 2, scene.triangles.size()));
     }
+    require_memory(kBytesToBuild * scene.triangles.size(),
+                   fmt::format("building the BVH of {} triangles", scene.triangles.size()),
+                   "a scene of fewer triangles needs less");
     const int threads =
         parameters.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(parameters.threads);
     tbb::task_arena arena(threads);

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "reference/memory.h"
 #include "scenes/built_in.h"
 #include "scenes/geodesic.h"
 #include "scenes/mesh.h"
@@ -29,6 +30,8 @@ reference::Scene generate_blob(const Parameters& parameters) {
     const double asked = parameters.number("triangles");
     const std::uint32_t frequency = geodesic_frequency(asked);
     const std::uint64_t made = geodesic_triangles(frequency);
+    reference::require_memory(made * 240, fmt::format("a blob of {} triangles with its BVH", made),
+                              "blob:triangles=N takes fewer");
 
     reference::Scene scene = cornell_room();
     const std::uint32_t clay = add_diffuse(scene, Vec3(0.55f, 0.5f, 0.75f));

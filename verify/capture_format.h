@@ -89,8 +89,6 @@ reference::PipelineParameters parse_parameters(const std::string& where,
 
 /// The whole file as JSON; throws bad_input naming it.
 nlohmann::json read_json(const std::filesystem::path& file);
-/// Throws bad_input naming the file where it cannot be written.
-void write_text(const std::filesystem::path& file, const std::string& text);
 /// Throws bad_input unless `object` says that format and version.
 void expect_format(const std::filesystem::path& file, const nlohmann::json& object,
                    const char* format, int expected_version = kCaptureVersion);

@@ -145,16 +145,6 @@ json read_json(const std::filesystem::path& file) {
     }
 }
 
-void write_text(const std::filesystem::path& file, const std::string& text) {
-    std::ofstream out(file, std::ios::binary);
-    out << text;
-    out.close();
-    if (!out) {
-        throw Error::bad_input(file.string(),
-                               "cannot be written (is the disk full, or the folder read-only?)");
-    }
-}
-
 void expect_format(const std::filesystem::path& file, const json& object, const char* format,
                    int expected_version) {
     const std::string where = file.string();

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "reference/error.h"
+#include "reference/write_file.h"
 #include "verify/canonical.h"
 #include "verify/failure.h"
 #include "verify/npy.h"
@@ -184,7 +185,7 @@ void CaptureWriter::remove_unreferenced() const {
 
 void CaptureWriter::finish() {
     remove_unreferenced();
-    write_text(directory_.path() / kIndexFile, to_json(index_).dump(1) + "\n");
+    reference::write_file(directory_.path() / kIndexFile, to_json(index_).dump(1) + "\n");
     directory_.finish();
 }
 

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "reference/error.h"
+#include "reference/write_file.h"
 #include "scenes/scenes.h"
 #include "verify/bench.h"
 #include "verify/bench_check.h"
@@ -19,7 +20,6 @@
 #include "verify/progress.h"
 #include "verify/report.h"
 #include "verify/simt/simt_pipeline.h"
-#include "verify/write_file.h"
 
 namespace scotty::verify {
 namespace {
@@ -36,7 +36,8 @@ template <class Report>
 int print_report(const BenchOptions& options, Progress& progress, const Report& report) {
     progress.clear();
     const std::string json = to_json(report).dump(2);
-    if (!options.json.empty() && options.json != "-") write_file(options.json, json + "\n");
+    if (!options.json.empty() && options.json != "-")
+        reference::write_file(options.json, json + "\n");
     print_result(options.json == "-" ? json : table(report));
     return kExitPassed;
 }

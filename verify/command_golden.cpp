@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "reference/write_file.h"
 #include "verify/ask.h"
 #include "verify/command.h"
 #include "verify/golden.h"
@@ -13,7 +14,6 @@
 #include "verify/options.h"
 #include "verify/progress.h"
 #include "verify/report.h"
-#include "verify/write_file.h"
 
 namespace scotty::verify {
 namespace {
@@ -108,8 +108,9 @@ int run_propose(const GoldenOptions& options) {
         proposals.push_back(propose_golden(golden, settings));
     }
     progress.clear();
-    write_file((settings.output / "report.txt").string(), to_text(proposals));
-    write_file((settings.output / "report.json").string(), to_json(proposals).dump(2) + "\n");
+    reference::write_file((settings.output / "report.txt").string(), to_text(proposals));
+    reference::write_file((settings.output / "report.json").string(),
+                          to_json(proposals).dump(2) + "\n");
     spdlog::info("{} holds the files and report.txt", settings.output.string());
     print_result(options.json ? to_json(proposals).dump(2) : to_text(proposals));
     return kExitPassed;

@@ -10,11 +10,11 @@
 #include <optional>
 
 #include "reference/error.h"
+#include "reference/write_file.h"
 #include "verify/command.h"
 #include "verify/queues_trace.h"
 #include "verify/queues_view.h"
 #include "verify/report.h"
-#include "verify/write_file.h"
 
 namespace scotty::verify {
 namespace {
@@ -58,7 +58,8 @@ class QueuesQuestion {
     void answer() {
         if (!options_.trace.empty()) {
             const auto rays = asked_rays();
-            write_file(options_.trace, to_trace(queues_, histories_of(queues_, rays)).dump());
+            reference::write_file(options_.trace,
+                                  to_trace(queues_, histories_of(queues_, rays)).dump());
             spdlog::info("{}: open it at ui.perfetto.dev, or in chrome://tracing", options_.trace);
             return;
         }

@@ -10,6 +10,7 @@
 
 #include "emulation/simt/check/memory_checker.h"
 #include "reference/error.h"
+#include "reference/write_file.h"
 #include "scenes/scenes.h"
 #include "verify/backend.h"
 #include "verify/command.h"
@@ -18,7 +19,6 @@
 #include "verify/report.h"
 #include "verify/verify.h"
 #include "verify/verify_golden.h"
-#include "verify/write_file.h"
 
 namespace scotty::verify {
 namespace {
@@ -46,14 +46,14 @@ struct VerifyOptions {
 /// "-" is standard output; then nothing else is printed there.
 void write_reports(const VerifyOptions& options, const Report& report) {
     if (!options.json.empty() && options.json != "-") {
-        write_file(options.json, to_json(report).dump(2) + "\n");
+        reference::write_file(options.json, to_json(report).dump(2) + "\n");
     }
-    if (!options.junit.empty()) write_file(options.junit, to_junit(report));
-    if (!options.html.empty()) write_file(options.html, to_html(report));
+    if (!options.junit.empty()) reference::write_file(options.junit, to_junit(report));
+    if (!options.html.empty()) reference::write_file(options.html, to_html(report));
     if (!options.folder.empty()) {
-        write_file(options.folder + "/verify.json", to_json(report).dump(2) + "\n");
-        write_file(options.folder + "/verify.junit.xml", to_junit(report));
-        write_file(options.folder + "/verify.html", to_html(report));
+        reference::write_file(options.folder + "/verify.json", to_json(report).dump(2) + "\n");
+        reference::write_file(options.folder + "/verify.junit.xml", to_junit(report));
+        reference::write_file(options.folder + "/verify.html", to_html(report));
         spdlog::info("report: {}/verify.html", options.folder);
     }
     print_result(options.json == "-" ? to_json(report).dump(2) : table(report));

@@ -9,9 +9,9 @@
 
 #include "reference/error.h"
 #include "reference/path_tracer.h"
+#include "reference/write_file.h"
 #include "verify/capture_format.h"
 #include "verify/npy.h"
-#include "verify/write_file.h"
 
 namespace scotty::verify {
 
@@ -120,7 +120,7 @@ void write_manifest(const fs::path& golden, const Manifest& manifest) {
     ordered_json cases = ordered_json::array();
     for (const GoldenEntry& entry : entries) cases.push_back(to_json(entry));
     const ordered_json object{{"format", kFormat}, {"version", kManifestVersion}, {"cases", cases}};
-    write_file(manifest_path(golden).string(), object.dump(1) + "\n");
+    reference::write_file(manifest_path(golden), object.dump(1) + "\n");
 }
 
 std::string checksum(const fs::path& file) {

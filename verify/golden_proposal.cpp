@@ -9,6 +9,7 @@
 #include "reference/path_tracer.h"
 #include "reference/tracers.h"
 #include "reference/wide_bvh.h"
+#include "reference/write_file.h"
 #include "scenes/scenes.h"
 #include "verify/backend.h"
 #include "verify/capture_format.h"
@@ -19,7 +20,6 @@
 #include "verify/pipeline_image.h"
 #include "verify/report.h"
 #include "verify/temporary_capture.h"
-#include "verify/write_file.h"
 
 namespace scotty::verify {
 
@@ -82,8 +82,8 @@ void propose_ledger(const GoldenCase& golden, reference::Scene scene,
         build_wide_bvh(scene, {golden.ledger.width, golden.ledger.max_leaf_size, settings.threads});
     const TemporaryCapture capture(backend_named("emulator", settings.threads),
                                    {std::move(scene), std::move(bvh), golden.ledger});
-    write_file((settings.output / ledger_path(golden.name)).string(),
-               to_text(ledger_of(capture.get())));
+    reference::write_file((settings.output / ledger_path(golden.name)).string(),
+                          to_text(ledger_of(capture.get())));
 }
 
 /// Standard deviation of the mean over all pixels and channels, as a share of it.
@@ -183,7 +183,8 @@ Proposal propose_golden(const GoldenCase& golden, const ProposalSettings& settin
     entry.command = settings.command;
     entry.commit = settings.commit;
     entry.made_with = "Embree " + reference::EmbreeTracer::version();
-    write_file(entry_path(settings.output, golden.name).string(), to_json(entry).dump(1) + "\n");
+    reference::write_file(entry_path(settings.output, golden.name).string(),
+                          to_json(entry).dump(1) + "\n");
     return compare(golden, settings);
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "reference/error.h"
+#include "reference/write_file.h"
 #include "verify/npy.h"
 
 namespace scotty::verify {
@@ -368,7 +369,7 @@ void write_pipeline_input(const fs::path& directory, const Scene& scene, const W
     out["material_columns"] = kMaterialColumns;
     out["light_columns"] = kLightColumns;
     out["camera_columns"] = kCameraColumns;
-    write_text(directory / kInputFile, out.dump(1) + "\n");
+    reference::write_file(directory / kInputFile, out.dump(1) + "\n");
 }
 
 PipelineInput read_pipeline_input(const fs::path& given) {

@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "reference/write_file.h"
 #include "tests/verify/capture_tools.h"
 #include "tests/verify/report_pages.h"
-#include "verify/write_file.h"
 
 namespace {
 
@@ -118,8 +118,8 @@ TEST_CASE("page: in a browser it passes its own test, which sees every planted f
 TEST_CASE("page: pages to look at", "[.][page-files]") {
     const char* folder = std::getenv("SCOTTY_PAGES");
     REQUIRE(folder != nullptr);
-    write_file(std::string(folder) + "/passing.html", to_html(report()));
-    write_file(std::string(folder) + "/failing.html", to_html(failing_report()));
+    reference::write_file(std::string(folder) + "/passing.html", to_html(report()));
+    reference::write_file(std::string(folder) + "/failing.html", to_html(failing_report()));
 }
 
 }  // namespace

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "reference/error.h"
+#include "reference/write_file.h"
 #include "scenes/scenes.h"
 #include "verify/report.h"
 #include "verify/verify.h"
-#include "verify/write_file.h"
 
 namespace {
 
@@ -180,9 +180,9 @@ TEST_CASE("report: a file that cannot be written is named, and none is left half
     const auto folder = std::filesystem::temp_directory_path() / "scotty_report_test";
     std::filesystem::remove_all(folder);
     const std::string path = (folder / "deep" / "verify.json").string();
-    verify::write_file(path, "{}\n");
+    reference::write_file(path, "{}\n");
     CHECK(std::filesystem::file_size(path) == 3);
-    CHECK_THROWS_WITH(verify::write_file(path + "/inside", "x"), Contains("verify.json/inside"));
+    CHECK_THROWS_WITH(reference::write_file(path + "/inside", "x"), Contains("verify.json/inside"));
     CHECK(std::distance(std::filesystem::directory_iterator(folder / "deep"), {}) == 1);
     std::filesystem::remove_all(folder);
 }

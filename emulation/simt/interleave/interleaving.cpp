@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "reference/error.h"
+#include "reference/write_file.h"
 
 namespace scotty::emulation::simt {
 
@@ -75,19 +76,7 @@ Interleaving read_interleaving(const std::filesystem::path& file) {
 }
 
 void write_interleaving(const std::filesystem::path& file, const Interleaving& interleaving) {
-    const std::string unfinished = file.string() + ".unfinished";
-    std::error_code error;
-    {
-        std::ofstream out(unfinished);
-        out << to_text(interleaving);
-        out.close();
-        if (!out) error = std::make_error_code(std::errc::io_error);
-    }
-    if (!error) std::filesystem::rename(unfinished, file, error);
-    if (!error) return;
-    const std::string why = error.message();
-    std::filesystem::remove(unfinished, error);
-    throw Error::bad_input(file.string(), "cannot be written: " + why);
+    reference::write_file(file, to_text(interleaving));
 }
 
 }  // namespace scotty::emulation::simt
