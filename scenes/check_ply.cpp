@@ -102,30 +102,33 @@ class PlyChecker {
         std::istringstream words(line);
         std::string key;
         words >> key;
+        if (key == "comment" || key == "obj_info") return;
+        bool understood = false;
         if (key == "format") {
-            words >> format_;
+            std::string version;
+            understood = static_cast<bool>(words >> format_ >> version);
         } else if (key == "element") {
-            Element element;
-            if (!(words >> element.name >> element.count)) fail("header", line);
-            elements_.push_back(element);
+            Element& element = elements_.emplace_back();
+            understood = static_cast<bool>(words >> element.name >> element.count);
         } else if (key == "property") {
-            read_property(words, line);
-        } else if (key != "comment" && key != "obj_info") {
+            understood = read_property(words);
+        }
+        std::string more;
+        if (!understood || words >> more) {
             fail("header", fmt::format("not understood: '{}'", line));
         }
     }
 
-    void read_property(std::istringstream& words, const std::string& line) {
+    bool read_property(std::istringstream& words) {
         Property property;
         words >> property.type;
-        if (property.type == "list") words >> property.count_type >> property.type;
+        const bool is_list = property.type == "list";
+        if (is_list) words >> property.count_type >> property.type;
         words >> property.name;
-        const bool is_list = !property.count_type.empty();
-        if (elements_.empty() || size_of(property.type) == 0 ||
-            (is_list && size_of(property.count_type) == 0)) {
-            fail("header", fmt::format("not understood: '{}'", line));
-        }
-        elements_.back().properties.push_back(property);
+        const bool known = words && !elements_.empty() && size_of(property.type) != 0 &&
+                           (!is_list || size_of(property.count_type) != 0);
+        if (known) elements_.back().properties.push_back(property);
+        return known;
     }
 
     void check_element(const Element& element, std::uint64_t number) {
