@@ -177,7 +177,11 @@ class QueuesQuestion {
         request.launch = options_.launch;
         request.node = options_.node;
         request.ray = options_.ray;
-        if (!options_.pixel.empty()) request.pixel = asked_pixel();
+        if (!options_.pixel.empty()) {
+            request.pixel = asked_pixel();
+            queues_.rays_of(request.pixel->first, request.pixel->second);  // says what there is
+        }
+        if (options_.ray) histories_of(queues_, {{options_.batch, *options_.ray}});
         const std::string page = queues_page(queues_, other_ ? &*other_ : nullptr, request);
         write_file(options_.html, page);
         spdlog::info("{}: {:.1f} MB, opens in any browser", options_.html,

@@ -57,7 +57,10 @@ std::uint32_t PageArrays::add(const char* type, std::string bytes, std::size_t c
         fmt::format("{} {} {:016x}", type, count, XXH3_64bits(bytes.data(), bytes.size()));
     const auto [found, is_new] = known_.emplace(key, static_cast<std::uint32_t>(arrays_.size()));
     if (!is_new) return found->second;
-    arrays_.push_back({static_cast<std::uint32_t>(blobs_.size()), type, open_.size(), count});
+    std::uint32_t checksum = 0;
+    for (const char byte : bytes) checksum += static_cast<unsigned char>(byte);
+    arrays_.push_back(
+        {static_cast<std::uint32_t>(blobs_.size()), type, open_.size(), count, checksum});
     fresh_.push_back(key);
     open_ += bytes;
     open_.resize((open_.size() + 3) / 4 * 4, '\0');
@@ -83,7 +86,7 @@ bool PageArrays::close(std::size_t room) {
 nlohmann::json PageArrays::document() const {
     nlohmann::json arrays = nlohmann::json::array();
     for (const Array& array : arrays_) {
-        arrays.push_back({array.blob, array.type, array.begin, array.count});
+        arrays.push_back({array.blob, array.type, array.begin, array.count, array.checksum});
     }
     return {{"arrays", std::move(arrays)}, {"blobs", blobs_}};
 }

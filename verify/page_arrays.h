@@ -26,8 +26,9 @@ class PageArrays {
     /// Characters of all blobs.
     std::size_t size() const { return size_; }
 
-    /// {"arrays": [[blob, type, first byte, count]], "blobs": [..]}: a blob is base64 of a zlib
-    /// stream, a type one of u8, u16, u32, f32; little endian, each array at a multiple of 4.
+    /// {"arrays": [[blob, type, first byte, count, checksum]], "blobs": [..]}: a blob is base64 of
+    /// a zlib stream, a type one of u8, u16, u32, f32; little endian, each array at a multiple
+    /// of 4. A checksum is the sum of an array's bytes.
     nlohmann::json document() const;
 
  private:
@@ -35,6 +36,7 @@ class PageArrays {
         std::uint32_t blob = 0;
         const char* type = "";
         std::size_t begin = 0, count = 0;
+        std::uint32_t checksum = 0;
     };
     std::uint32_t add(const char* type, std::string bytes, std::size_t count);
 

@@ -13,10 +13,10 @@ using reference::StageKind;
 const std::vector<std::string>& invariants_of(StageKind kind) {
     using namespace invariant;  // in this function only: their names
     static const std::vector<std::string> scan{kNonFinite, kHandOver, kScan};
-    static const std::vector<std::string> level{
-        kNonFinite,    kHandOver,        kCountEqualsPushes, kSlotWrittenOnce, kNoDuplicate,
-        kNothingExtra, kRequiredPresent, kInputOrder,        kConservation,    kLeafHits,
-        kMinimum};
+    static const std::vector<std::string> level{kNonFinite,       kHandOver,    kCountEqualsPushes,
+                                                kSlotWrittenOnce, kNoDuplicate, kNothingExtra,
+                                                kRequiredPresent, kInputOrder,  kConservation,
+                                                kLeafHits,        kMinimum};
     static const std::vector<std::string> minimum{kNonFinite, kMinimum};
     static const std::vector<std::string> merge{kNonFinite, kHandOver, kMerge, kRequiredPresent};
     static const std::vector<std::string> primary{kNonFinite, kRayRecord, kPathState, kPixels};

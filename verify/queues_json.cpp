@@ -72,14 +72,10 @@ ordered_json document(const ChildVisit& child) {
 }
 
 ordered_json document(const Visit& visit) {
-    ordered_json out{{"launch", visit.launch},
-                     {"stage", visit.stage},
-                     {"level", visit.level},
-                     {"node", visit.node},
-                     {"position", visit.position},
-                     {"block", visit.block},
-                     {"thread", visit.thread},
-                     {"minimum", json_number(visit.minimum)}};
+    ordered_json out{{"launch", visit.launch},     {"stage", visit.stage},
+                     {"level", visit.level},       {"node", visit.node},
+                     {"position", visit.position}, {"block", visit.block},
+                     {"thread", visit.thread},     {"minimum", json_number(visit.minimum)}};
     if (visit.leaf) {
         out["leaf"] = {{"outcome", to_string(visit.leaf_outcome)},
                        {"closest", visit.closest.primitive == kNone
@@ -113,12 +109,9 @@ ordered_json document(const LightHistory& light) {
 }
 
 ordered_json document(const BounceHistory& bounce) {
-    return {{"bounce", bounce.bounce},
-            {"traversal", document(bounce.traversal)},
-            {"lights", list(bounce.lights)},
-            {"flags", id(bounce.flags)},
-            {"next", maybe(bounce.next)},
-            {"throughput", maybe(bounce.throughput)},
+    return {{"bounce", bounce.bounce},           {"traversal", document(bounce.traversal)},
+            {"lights", list(bounce.lights)},     {"flags", id(bounce.flags)},
+            {"next", maybe(bounce.next)},        {"throughput", maybe(bounce.throughput)},
             {"radiance", maybe(bounce.radiance)}};
 }
 
@@ -126,8 +119,8 @@ ordered_json document(const BounceHistory& bounce) {
 
 ordered_json to_json(const RayHistory& history) {
     ordered_json out{{"batch", history.batch}, {"ray", history.ray}};
-    out["pixel"] = history.from ? ordered_json{history.from->pixel_x, history.from->pixel_y}
-                                : ordered_json();
+    out["pixel"] =
+        history.from ? ordered_json{history.from->pixel_x, history.from->pixel_y} : ordered_json();
     out["sample"] = history.from ? ordered_json(history.from->sample) : ordered_json();
     out["minimum_is_later"] = history.minimum_is_later;
     out["bounces"] = list(history.bounces);

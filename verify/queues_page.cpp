@@ -78,9 +78,10 @@ class PageMaker {
             for (const StageResult& result : report_.stages) results_[result.name] = &result;
         }
         for (std::size_t i = 0; i < stages_.size(); ++i) find_divergences(i);
-        std::stable_sort(divergences_.begin(), divergences_.end(), [](const json& x, const json& y) {
-            return x["launch"].get<std::size_t>() < y["launch"].get<std::size_t>();
-        });
+        std::stable_sort(divergences_.begin(), divergences_.end(),
+                         [](const json& x, const json& y) {
+                             return x["launch"].get<std::size_t>() < y["launch"].get<std::size_t>();
+                         });
     }
 
     const StageRecord* partner(const StageRecord& stage) const {
@@ -120,14 +121,12 @@ class PageMaker {
         const std::optional<Divergence> first =
             found != nullptr && found->failed() ? found->first : std::nullopt;
         if (first) {
-            const std::string values =
-                first->a.empty() && first->b.empty()
-                    ? ""
-                    : fmt::format(" ({}{}{}: A {}, B {})", first->buffer,
-                                  first->field.empty() ? "" : ".", first->field, first->a,
-                                  first->b);
-            add("diff", "differs", first->sentence + values, first->node, first->ray,
-                first->block);
+            const std::string values = first->a.empty() && first->b.empty()
+                                           ? ""
+                                           : fmt::format(" ({}{}{}: A {}, B {})", first->buffer,
+                                                         first->field.empty() ? "" : ".",
+                                                         first->field, first->a, first->b);
+            add("diff", "differs", first->sentence + values, first->node, first->ray, first->block);
         }
         for (const auto& [side, run] : {std::pair("a", &checked_a_), std::pair("b", &checked_b_)}) {
             const StageRecord* of_side = *side == 'a' ? &stage : partner(stage);
@@ -220,17 +219,17 @@ class PageMaker {
 
     json about_launch(std::size_t index) {
         const StageRecord& stage = stages_[index];
-        json out{{"launch", stage.launch},     {"name", stage.name},
+        json out{{"launch", stage.launch},        {"name", stage.name},
                  {"kind", to_string(stage.kind)}, {"batch", stage.batch},
-                 {"bounce", id(stage.bounce)}, {"light", id(stage.light)},
-                 {"level", id(stage.level)},   {"blocks", stage.blocks},
+                 {"bounce", id(stage.bounce)},    {"light", id(stage.light)},
+                 {"level", id(stage.level)},      {"blocks", stage.blocks},
                  {"threads", stage.threads}};
         const StageRecord* b = partner(stage);
         const StageResult* diff = result(stage);
         if (b != nullptr && b->launch != stage.launch) out["launch_b"] = b->launch;
         if (b_ != nullptr) {
             out["verdict"] = b == nullptr || (diff != nullptr && diff->missing) ? "missing"
-                             : diff == nullptr ? "not compared"
+                             : diff == nullptr                                  ? "not compared"
                                                : to_string(diff->verdict);
             out["differs"] = diff != nullptr && diff->failed();
         }
@@ -272,7 +271,8 @@ class PageMaker {
         return out;
     }
 
-    /// What was asked for; else the first divergence; else the first root.
+    /// What was asked for; else the first divergence; else the first root, and the pixel in the
+    /// middle.
     json first_selection() const {
         std::size_t index = stages_.size();
         json node;
@@ -298,7 +298,12 @@ class PageMaker {
             if (is_level_kernel(stages_[i].kind)) index = i;
         }
         json out{{"launch", index == stages_.size() ? 0 : index}, {"node", node}, {"ray", ray}};
-        if (request_.pixel) out["pixel"] = {request_.pixel->first, request_.pixel->second};
+        if (request_.pixel) {
+            out["pixel"] = {request_.pixel->first, request_.pixel->second};
+        } else if (ray.is_null() && divergences_.empty()) {
+            const auto& p = a_.parameters();
+            out["pixel"] = {p.image_width / 2, p.image_height / 2};
+        }
         return out;
     }
 

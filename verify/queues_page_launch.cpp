@@ -48,24 +48,20 @@ json level_arrays(PageArrays& pool, const Queues& queues, const StageRecord& sta
             queue.push_back(level.ray(node, p));
         }
     }
-    json out{{"queue", pool.add(queue)},
-             {"lengths", pool.add(of_regions(level.regions, [](const Region& r) {
-                  return r.count;
-              }))},
-             {"offsets", pool.add(of_regions(level.regions, [](const Region& r) {
-                  return r.begin;
-              }))},
-             {"claimed", pool.add(of_regions(level.regions, [](const Region& r) {
-                  return r.claimed;
-              }))},
-             {"block_offsets", pool.add(level.block_offsets)}};
+    json out{
+        {"queue", pool.add(queue)},
+        {"lengths", pool.add(of_regions(level.regions, [](const Region& r) { return r.count; }))},
+        {"offsets", pool.add(of_regions(level.regions, [](const Region& r) { return r.begin; }))},
+        {"claimed", pool.add(of_regions(level.regions, [](const Region& r) { return r.claimed; }))},
+        {"block_offsets", pool.add(level.block_offsets)}};
     const PartialStage below =
         queues.some_of(stage, {"child_counts", "child_offsets", "child_queue"});
     if (const auto* child_queue = below.view.find("child_queue"); child_queue != nullptr) {
         const Regions regions = regions_of(below.view, *child_queue, true);
         out["child_queue"] =
             pool.add(without_gaps(below.get<std::uint32_t>("child_queue"), regions));
-        out["child_counts"] = pool.add(of_regions(regions, [](const Region& r) { return r.count; }));
+        out["child_counts"] =
+            pool.add(of_regions(regions, [](const Region& r) { return r.count; }));
         out["child_claimed"] =
             pool.add(of_regions(regions, [](const Region& r) { return r.claimed; }));
         out["child_room"] = pool.add(of_regions(regions, [](const Region& r) { return r.room; }));

@@ -10,9 +10,10 @@
 namespace scotty::verify {
 
 /// Of a level kernel `queue`, `lengths`, `offsets`, `claimed`, `block_offsets`, `child_queue`,
-/// `child_counts`, `child_offsets`, `child_room`, `child_claimed`, `rays`, `minimum` and the arrays of VisitLog; of any other
-/// launch what a history shows of it (`merged`, `radiance`, ...). Queues are without gaps, node by
-/// node. What was not captured is left out. `log`: of the launch's traversal, or null.
+/// `child_counts`, `child_offsets`, `child_room`, `child_claimed`, `rays`, `minimum` and the arrays
+/// of VisitLog; of any other launch what a history shows of it (`merged`, `radiance`, ...). Queues
+/// are without gaps, node by node. What was not captured is left out. `log`: of the launch's
+/// traversal, or null.
 nlohmann::json launch_arrays(PageArrays& pool, const Queues& queues, const StageRecord& stage,
                              const TraversalLog* log);
 

@@ -14,8 +14,8 @@ namespace {
 constexpr std::uint32_t kRaysAtOnce = 4096;
 
 bool same_traversal(const StageRecord& a, const StageRecord& b) {
-    const bool of_traversal = reference::is_of_traversal(a.kind) ||
-                              a.kind == reference::StageKind::merge_intersections;
+    const bool of_traversal =
+        reference::is_of_traversal(a.kind) || a.kind == reference::StageKind::merge_intersections;
     return of_traversal && a.batch == b.batch && a.bounce == b.bounce && a.light == b.light;
 }
 

@@ -3,7 +3,7 @@
 
 class BlockPane {
   constructor(at, page, selection) {
-    Object.assign(this, { box: at.block, note: at['block-note'], key: at['block-key'], page, selection, row: 24, top: 34, left: 118 });
+    Object.assign(this, { box: at.block, note: at['block-note'], key: at['block-key'], page, selection, row: 24, top: 30, left: 76 });
     this.canvas = element('canvas', { tabIndex: 0, 'aria-label': 'Threads of the block, and what they push' });
     this.box.append(this.canvas);
     this.canvas.addEventListener('pointermove', (event) => { this.canvas.title = this.title(...pointIn(this.canvas, event)); });
@@ -47,7 +47,7 @@ class BlockPane {
     });
   }
 
-  get cell() { return Math.max(4, Math.min(22, (this.box.clientWidth - this.left - 250) / this.block.threads)); }
+  get cell() { return Math.max(4, Math.min(22, (this.box.clientWidth - this.left - 206) / this.block.threads)); }
   threadAt(x) { return this.block ? Math.floor((x - this.left) / this.cell) : -1; }
   title(x, y) {
     const thread = this.threadAt(x);
@@ -69,7 +69,7 @@ class BlockPane {
     const leaf = block.rows[0].base === undefined;
     this.key.textContent = leaf ? 'A cell is a thread whose ray meets a triangle; the number is the slot of the ray’s buffer.'
       : 'A filled cell is a push: the scan’s input. The number is where in the reservation it went: the scan’s result. The reservation is what one atomicAdd gave the block in the child’s queue.';
-    const width = Math.max(this.left + block.threads * this.cell + (leaf ? 0 : 250), 300);
+    const width = Math.max(this.left + block.threads * this.cell + (leaf ? 0 : 206), 300);
     canvas.style.width = `${width}px`;
     const context = fitted(canvas, this.top + block.rows.length * this.row + 4, width);
     this.paint(context, inks(), leaf);

@@ -166,6 +166,7 @@ class Run {
 
 async function openPage(data) {
   const page = { ...data, pool: await Pool.open(data.pool) };
+  page.checksums = data.pool.arrays.map((array) => array[4]);
   page.tree = new Tree(data.tree, data.scene_triangles, page.pool);
   page.runs = { a: new Run(page, 'a') };
   if (data.b) page.runs.b = new Run(page, 'b');

@@ -32,21 +32,16 @@ class ImagePane {
     canvas.width = page.width * scale;
     canvas.height = page.height * scale;
     const context = canvas.getContext('2d');
-    for (let i = 0; i < page.width * page.height; ++i) {
+    context.imageSmoothingEnabled = false;
+    context.drawImage(imageCanvas(page.width, page.height, (i) => {
       const dim = inQueue && !inQueue.has(i) ? 0.3 : 1;
-      context.fillStyle = `rgb(${[0, 1, 2].map((c) => Math.round(dim * srgbByte(image[3 * i + c])))})`;
-      context.fillRect((i % page.width) * scale, Math.floor(i / page.width) * scale, scale, scale);
-    }
+      return [0, 1, 2].map((c) => Math.round(dim * srgbByte(image[3 * i + c])));
+    }), 0, 0, canvas.width, canvas.height);
     if (selection.pixel) {
-      const [x, y] = selection.pixel.map((p) => p * scale);
-      for (const [style, grow] of [['#000', 3], ['#fff', 1]]) {
-        context.strokeStyle = style;
-        context.lineWidth = 2;
-        context.strokeRect(x - grow, y - grow, scale + 2 * grow, scale + 2 * grow);
-      }
+      frame(context, selection.pixel[0] * scale, selection.pixel[1] * scale, scale, scale, 2);
     }
     const rays = selection.pixelRays.size;
-    this.note.textContent = [selection.pixel ? `pixel ${selection.pixel.join(', ')}: ${rays} ray${rays === 1 ? '' : 's'}` : 'Click a pixel for its rays.',
+    this.note.textContent = [selection.pixel ? `pixel ${selection.pixel.join(', ')}: ${rays} ray${rays === 1 ? '' : 's'}` : 'click a pixel for its rays',
       inQueue ? `${inQueue.size} pixels have rays in this queue` : ''].filter(Boolean).join('; ');
   }
 }

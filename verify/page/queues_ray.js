@@ -75,10 +75,10 @@ class RayPane {
   traversal(a, b, light = null) {
     if (!this.happened(a) && !(b && this.happened(b))) return null;
     const here = a.visits.some((visit) => visit.launch === this.selection.at.launch) || a.merge_launch === this.selection.at.launch;
-    const differs = b !== null && this.outcome(a, light) + this.steps(a) !== this.outcome(b, light) + this.steps(b);
+    const [inA, inB] = [this.outcome(a, light), b && this.outcome(b, light)];
+    const differs = b !== null && inA !== inB ? `; B: ${inB}` : b !== null && this.steps(a) !== this.steps(b) ? '; B: the same, another way' : '';
     const summary = element('summary', {}, element('b', { textContent: a.name.replace('bounce', 'bounce ').replace('/light', ', light ') }),
-      element('span', { className: differs ? 'fault' : 'quiet', textContent: this.outcome(a, light) }));
-    if (differs && this.outcome(a, light) !== this.outcome(b, light)) summary.append(element('span', { className: 'fault', textContent: `; B ${this.outcome(b, light)}` }));
+      element('span', { className: 'quiet', textContent: inA }), element('span', { className: 'fault', textContent: differs }));
     const details = element('details', { open: here || this.open.has(a.name) }, summary);
     details.addEventListener('toggle', () => { if (details.open) this.open.add(a.name); else this.open.delete(a.name); });
     if (a.ray) {

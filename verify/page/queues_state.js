@@ -30,6 +30,7 @@ class PageSelection {
     }
     if ('node' in change && this.node !== null && !('launch' in change)) this.followNode();
     else this.followLaunch();
+    if (this.told && !this.told.address) this.told.address = this.address();
     if (this.address() !== before) this.write(trail);
     this.changed(this);
   }
@@ -56,7 +57,7 @@ class PageSelection {
   words() {
     return { launch: String(this.at.launch), node: this.node ?? undefined, ray: this.ray ?? undefined, pixel: this.pixel?.join(','),
       side: this.side === 'a' ? undefined : this.side, float: this.float === 'decimal' ? undefined : this.float,
-      heat: this.heat === 'entries' ? undefined : this.heat, selftest: stateFromAddress().selftest };
+      heat: this.heat === 'entries' ? undefined : this.heat };
   }
   write(trail) { stateToAddress(this.words(), trail); }
 
@@ -114,7 +115,10 @@ class PageSelection {
 
   // Divergences are sorted by launch; n goes on from what is selected, and round at the end.
   get divergence() {
-    return this.page.divergences.findIndex((d) => d.launch === this.launch && (d.node === null || d.node === this.node) && (d.ray === null || d.ray === this.ray));
+    const { told } = this; // the one stepped to: another may be of the same launch and ray
+    if (told !== undefined && told.address === this.address()) return told.index;
+    const elsewhere = (node) => node === null || this.page.tree.level(node) !== this.at.level; // in a queue that is written, not read
+    return this.page.divergences.findIndex((d) => d.launch === this.launch && (elsewhere(d.node) || d.node === this.node) && (d.ray === null || d.ray === this.ray));
   }
   diverge(by) {
     const all = this.page.divergences;
@@ -125,11 +129,13 @@ class PageSelection {
     else next = all.length - 1 - Math.max(0, [...all].reverse().findIndex((d) => d.launch < this.launch));
     const { launch, node, ray, side } = all[next];
     this.launch = launch; // a ray is of the launch's batch
+    this.told = { index: next };
     this.select({ launch, node: node ?? this.node, ray: ray ?? this.ray, side: side === 'b' ? 'b' : this.side });
   }
 
   key(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.('dialog, input[type=radio]')) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.('dialog')) return;
+    if (event.key.startsWith('Arrow') && event.target.closest?.('input')) return; // a choice is made by arrows, too
     const acts = { n: () => this.diverge(1), N: () => this.diverge(-1), ArrowLeft: () => this.step(-1), ArrowRight: () => this.step(1),
       ArrowUp: () => this.up(), ArrowDown: () => this.down(), '[': () => this.sideways(-1), ']': () => this.sideways(1),
       j: () => this.entry(1), k: () => this.entry(-1), b: () => this.page.runs.b && this.select({ side: this.side === 'a' ? 'b' : 'a' }, false),

@@ -49,6 +49,7 @@ class QueuePane {
     this.note.textContent = `of node ${selection.shown} in ${selection.at.name}: ${length}${said.length > 0 ? `; in B ${said.join(', ')}` : ''}`;
     this.columns = this.makeColumns();
     box.querySelector('thead').replaceChildren(element('tr', {}, ...this.columns.map(([name]) => element('th', { scope: 'col', textContent: name }))));
+    this.drawRows(); // gives the box its height
     this.showSelected();
     this.drawRows();
   }
