@@ -1,4 +1,5 @@
-// The page of the queue debugger: its data held to the buffers, and the page to itself in a browser.
+// The page of the queue debugger: its data held to the buffers, and the page to itself in a
+// browser.
 #include <zlib.h>
 
 #include <cstring>
@@ -213,9 +214,9 @@ std::string with_told(const std::string& page, const std::vector<const Queues*>&
         }
     }
     const std::string data = "<script type=\"application/json\" id=\"queues-data\">";
-    return replaced(page, data,
-                    "<script type=\"application/json\" id=\"told\">" + told.dump() + "</script>" +
-                        data);
+    return replaced(
+        page, data,
+        "<script type=\"application/json\" id=\"told\">" + told.dump() + "</script>" + data);
 }
 
 TEST_CASE("queues page: in a browser it passes its own test, which sees every planted fault",
@@ -239,53 +240,57 @@ TEST_CASE("queues page: in a browser it passes its own test, which sees every pl
     const std::string data = queues_page_data(runs.of_a, &runs.of_b, {})["pool"]["blobs"][1];
     std::string spoiled = data;
     spoiled[spoiled.size() / 2] = spoiled[spoiled.size() / 2] == 'A' ? 'B' : 'A';
-    const auto with = [&](const char* from, const char* to) { return replaced(diff, from, to); };
+    // Faults that do not hide one another go into one page: a browser's time goes by pages.
+    using Fault = std::pair<const char*, const char*>;
+    const auto with = [&](const std::vector<Fault>& faults) {
+        std::string page = diff;
+        for (const auto& [from, to] : faults) page = replaced(page, from, to);
+        return page;
+    };
     const auto found = self_tests({
-        {"one", with_told(queues_page(runs.of_a, nullptr, {}), {&runs.of_a})},
+        {"one", with_told(queues_page(runs.of_a, nullptr, {}), {&runs.of_a}, 97)},
         {"diff", diff},
-        {"faulty", with_told(queues_page(runs.of_b, nullptr, {}), {&runs.of_b})},
         {"odd", with_told(queues_page(odd, nullptr, {}), {&odd})},
-        {"short", queues_page(runs.of_a, &runs.of_b, short_of_room)},
+        {"short", queues_page(runs.of_b, nullptr, short_of_room)},
         {"array", replaced(diff, data, spoiled)},
-        {"outcome", with("'culled', 'pushed', 'lost'", "'pushed', 'culled', 'lost'")},
-        {"hex", with("const power = exponent - 127", "const power = exponent - 126")},
-        {"verdict", with("if (this.page.failed(k)) return ink.fault;", "")},
-        {"map", with("differences && most > 0 ? ink.fault", "differences && most > 1e9 ? ink.fault")},
-        {"tree", with("`${a} / ${b ?? '–'}` : String(a)", "`${b}` : String(b)")},
-        {"table", with("Math.floor(this.box.scrollTop / rowHeight)", "Math.floor(0 / rowHeight)")},
-        {"pairs", with("change: changes[change[i]]", "change: changes[0]")},
-        {"block", with("${base} + ${places[t] - base}", "${base} + ${places[t]}")},
-        {"turn", with("if (!last) return;", "return;")},
-        {"image", with("pixel === y * page.width + x", "pixel === x * page.width + y")},
-        {"checks", with("failed > 0 ? `fails", "failed > 99 ? `fails")},
-        {"keys", with("n: () => this.diverge(1)", "n: () => this.diverge(2)")},
-        {"address", with("ray: this.ray ?? undefined", "ray: undefined")},
-        {"script", with("class PageSelection {", "class PageSelection {{")},
+        {"script", with({{"class PageSelection {", "class PageSelection {{"}})},
+        {"drawn",
+         with({{"if (this.page.failed(k)) return ink.fault;", ""},
+               {"differences && most > 0 ? ink.fault", "differences && most > 1e9 ? ink.fault"},
+               {"${base} + ${places[t] - base}", "${base} + ${places[t]}"},
+               {"if (!last) return;", "return;"},
+               {"n: () => this.diverge(1)", "n: () => this.diverge(2)"},
+               {"pixel === y * page.width + x", "pixel === x * page.width + y"}})},
+        {"told", with({{"'culled', 'pushed', 'lost'", "'pushed', 'culled', 'lost'"},
+                       {"const power = exponent - 127", "const power = exponent - 126"},
+                       {"`${a} / ${b ?? '–'}` : String(a)", "`${b}` : String(b)"},
+                       {"Math.floor(this.box.scrollTop / rowHeight)", "Math.floor(0 / rowHeight)"},
+                       {"change: changes[change[i]]", "change: changes[0]"},
+                       {"failed > 0 ? `fails", "failed > 99 ? `fails"},
+                       {"ray: this.ray ?? undefined", "ray: undefined"}})},
     });
-    for (const char* good : {"one", "diff", "faulty", "odd", "short"}) {
+    for (const char* good : {"one", "diff", "odd", "short"}) {
         INFO(good);
         CHECK_THAT(found.at(good), Catch::Contains("selftest: passed"));
     }
     const auto fails = [&](const char* page, const char* because) {
-        INFO(page);
-        CHECK_THAT(found.at(page),
-                   Catch::Contains("selftest: FAILED") && Catch::Contains(because));
+        CHECK_THAT(found.at(page), Catch::Contains("selftest: FAILED") && Catch::Contains(because));
     };
     fails("array", "rror");  // zlib's own checksum goes before ours
-    fails("outcome", "history of ray");
-    fails("hex", "as hexadecimal");
-    fails("verdict", "its colour in the timeline says whether it failed");
-    fails("map", "a difference in the map");
-    fails("tree", "the length of node");
-    fails("table", "the last entry");
-    fails("pairs", "entries that are marked");
-    fails("block", "what thread");
-    fails("turn", "dragging turns the box");
-    fails("image", "chooses the first of its rays");
-    fails("checks", "invariants that fail");
-    fails("keys", "n again the second");
-    fails("address", "and the ray");
     fails("script", "is not defined");
+    fails("drawn", "its colour in the timeline says whether it failed");
+    fails("drawn", "a difference in the map");
+    fails("drawn", "what thread");
+    fails("drawn", "dragging turns the box");
+    fails("drawn", "n again the second");
+    fails("drawn", "chooses the first of its rays");
+    fails("told", "history of ray");
+    fails("told", "as hexadecimal");
+    fails("told", "the length of node");
+    fails("told", "the last entry");
+    fails("told", "entries that are marked");
+    fails("told", "invariants that fail");
+    fails("told", "and the ray");
 }
 
 /// Not a test: writes pages to look at to the folder that SCOTTY_PAGES names.

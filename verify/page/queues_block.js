@@ -82,7 +82,7 @@ class BlockPane {
     context.fillText('thread', 0, 12);
     for (let t = 0; t < block.threads; t += 8) context.fillText(String(t), left + t * cell, 12);
     const end = left + block.threads * cell + 14;
-    if (!leaf) { context.fillText('rays', end, 12); context.fillText('reservation, of the queue’s', end + 44, 12); }
+    if (!leaf) { context.fillText('rays', end, 12); context.fillText('reserved, of all', end + 44, 12); }
     block.rows.forEach((one, r) => {
       const y = top + r * row;
       context.font = '12px system-ui, sans-serif';

@@ -74,7 +74,8 @@ class PageSelection {
     this.node = first ? page.first.node : node !== null && node < page.tree.nodes ? node : null;
     this.ray = first ? page.first.ray : ray !== null && ray < page.rays[this.at.batch] ? ray : null;
     this.pixel = first ? page.first.pixel ?? null : x !== null && y !== null && x < page.width && y < page.height ? [x, y] : null;
-    this.side = found.side === 'b' && page.runs.b ? 'b' : 'a';
+    const suspect = first && page.divergences.length > 0; // what is wrong is in B
+    this.side = page.runs.b && (found.side === 'b' || suspect) ? 'b' : 'a';
     this.float = found.float === 'hex' ? 'hex' : 'decimal';
     this.heat = found.heat === 'differences' ? 'differences' : 'entries';
     if (first && this.pixel && this.ray === null) this.ray = page.raysOf(this.at.batch, ...this.pixel)[0] ?? null;
