@@ -12,6 +12,8 @@
 #include "reference/error.h"
 #include "reference/write_file.h"
 #include "verify/command.h"
+#include "verify/queues_json.h"
+#include "verify/queues_page.h"
 #include "verify/queues_trace.h"
 #include "verify/queues_view.h"
 #include "verify/report.h"
@@ -26,7 +28,7 @@ constexpr std::size_t kRows = 100;
 constexpr std::size_t kHistories = 4;
 
 struct QueuesCommand {
-    std::string capture, other, stage, pixel, trace;
+    std::string capture, other, stage, pixel, trace, html;
     std::optional<std::uint32_t> launch, level, node, ray;
     std::uint32_t batch = 0;
     bool csv = false, json = false, all = false;
@@ -63,6 +65,7 @@ class QueuesQuestion {
             spdlog::info("{}: open it at ui.perfetto.dev, or in chrome://tracing", options_.trace);
             return;
         }
+        if (!options_.html.empty()) return write_page();
         if (options_.ray || !options_.pixel.empty()) return answer_rays();
         const std::vector<const StageRecord*> stages = selected();
         const bool one = stages.size() == 1 && is_level_kernel(stages[0]->kind);
@@ -165,6 +168,29 @@ class QueuesQuestion {
         Rays rays;
         if (options_.ray) rays.emplace_back(options_.batch, *options_.ray);
         if (options_.pixel.empty()) return rays;
+        const auto [x, y] = asked_pixel();
+        const Rays of_pixel = queues_.rays_of(x, y);
+        rays.insert(rays.end(), of_pixel.begin(), of_pixel.end());
+        return rays;
+    }
+
+    void write_page() const {
+        PageRequest request;
+        request.launch = options_.launch;
+        request.node = options_.node;
+        request.ray = options_.ray;
+        if (!options_.pixel.empty()) {
+            request.pixel = asked_pixel();
+            queues_.rays_of(request.pixel->first, request.pixel->second);  // says what there is
+        }
+        if (options_.ray) histories_of(queues_, {{options_.batch, *options_.ray}});
+        const std::string page = queues_page(queues_, other_ ? &*other_ : nullptr, request);
+        write_file(options_.html, page);
+        spdlog::info("{}: {:.1f} MB, opens in any browser", options_.html,
+                     static_cast<double>(page.size()) / 1e6);
+    }
+
+    std::pair<std::uint32_t, std::uint32_t> asked_pixel() const {
         unsigned x = 0;
         unsigned y = 0;
         char rest = 0;
@@ -172,9 +198,7 @@ class QueuesQuestion {
             throw Error::bad_input(
                 "--pixel", fmt::format("expected X,Y such as 12,40, found '{}'", options_.pixel));
         }
-        const Rays of_pixel = queues_.rays_of(x, y);
-        rays.insert(rays.end(), of_pixel.begin(), of_pixel.end());
-        return rays;
+        return {x, y};
     }
 
     /// Every batch is read once.
@@ -219,6 +243,7 @@ class QueuesQuestion {
         std::vector<RayHistory> of_b;
         if (other_) of_b = histories_of(*other_, rays);
         const std::string title = "rays of " + options_.capture + against();
+        if (options_.json) return show_documents(title, of_a, of_b);
         Table table;
         std::string story;
         for (std::size_t i = 0; i < of_a.size(); ++i) {
@@ -237,6 +262,15 @@ class QueuesQuestion {
         if (text && rays.size() < all) {
             print_result(fmt::format("... {} more rays; --all shows them", all - rays.size()));
         }
+    }
+
+    static void show_documents(const std::string& title, const std::vector<RayHistory>& of_a,
+                               const std::vector<RayHistory>& of_b) {
+        nlohmann::ordered_json rays = nlohmann::ordered_json::array();
+        for (std::size_t i = 0; i < of_a.size(); ++i) {
+            rays.push_back(of_b.empty() ? to_json(of_a[i]) : to_json(of_a[i], of_b[i]));
+        }
+        print_result(nlohmann::ordered_json{{"title", title}, {"rays", std::move(rays)}}.dump(2));
     }
 
     void show(const Table& table) const {
@@ -266,6 +300,7 @@ void add_queues_command(CLI::App& app, Action& action) {
         "  scotty queues coil.capture --ray 1234               where a ray went, and why\n"
         "  scotty queues coil.capture --pixel 12,40            the same of a pixel's rays\n"
         "  scotty queues coil.emulator --diff coil.cuda --launch 8 --node 40\n"
+        "  scotty queues coil.capture --html coil.html         all of it as a page\n"
         "  scotty queues coil.capture --trace coil.json --ray 1234   (for ui.perfetto.dev)\n\n"
         "With --diff rays are aligned by id: moved (another position, which is free), changed,\n"
         "missing and extra (in the other capture). It shows, scotty diff judges: the exit code is\n"
@@ -285,6 +320,10 @@ void add_queues_command(CLI::App& app, Action& action) {
     command->add_option("--diff", options->other, "another capture of the same run, beside it")
         ->type_name("OTHER");
     command->add_option("--trace", options->trace, "write a time line as Chrome trace JSON")
+        ->type_name("FILE");
+    command
+        ->add_option("--html", options->html,
+                     "write all of it as a page, which shows what else was asked for first")
         ->type_name("FILE");
     auto* csv = command->add_flag("--csv", options->csv, "the rows as CSV");
     command->add_flag("--json", options->json, "the rows as JSON")->excludes(csv);

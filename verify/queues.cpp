@@ -234,6 +234,18 @@ const PartialStage* Queues::primary_rays(std::uint32_t batch) const {
     return &*origins_[batch];
 }
 
+std::size_t Queues::ray_count(std::uint32_t batch) const {
+    for (const StageRecord& stage : capture_.stages()) {
+        if (stage.batch != batch) continue;
+        for (const auto* buffers : {&stage.inputs, &stage.outputs}) {
+            for (const BufferRecord& buffer : *buffers) {
+                if (buffer.name == "rays" || buffer.name == "radiance") return buffer.shape.at(0);
+            }
+        }
+    }
+    return 0;
+}
+
 std::optional<Provenance> Queues::origin(std::uint32_t batch, std::uint32_t ray) const {
     const PartialStage* stage = primary_rays(batch);
     if (stage == nullptr) return std::nullopt;

@@ -123,6 +123,8 @@ class Queues {
     std::vector<Entry> entries(const StageRecord& stage, std::uint32_t node) const;
     LevelQueues queues_of(const StageRecord& stage) const;
 
+    /// Rays of a batch, by the first launch that has something by ray; 0 where none has.
+    std::size_t ray_count(std::uint32_t batch) const;
     /// None where primary_rays was not captured or there is no such ray.
     std::optional<Provenance> origin(std::uint32_t batch, std::uint32_t ray) const;
     /// Ids of all rays of a pixel, by batch; throws bad_input for a pixel outside of the image.

@@ -1,10 +1,14 @@
 #include "verify/queues_diff.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstring>
 #include <deque>
 #include <map>
 #include <tuple>
+
+#include "verify/failure.h"
 
 namespace scotty::verify {
 
@@ -62,24 +66,88 @@ std::vector<Pair> paired(const std::vector<T>& a, const std::vector<T>& b, const
     return out;
 }
 
-bool same_end(const Visit& a, const Visit& b) {
-    const auto same_child = [](const ChildVisit& x, const ChildVisit& y) {
-        return x.node == y.node && x.outcome == y.outcome && x.times == y.times;
-    };
-    const auto hits = [](const Visit& visit) {
-        std::vector<std::uint64_t> out;
-        for (const GatheredHit& hit : visit.hits) {
-            std::uint32_t t = 0;
-            std::memcpy(&t, &hit.hit.t, sizeof t);
-            out.push_back(std::uint64_t{t} << 32 | hit.hit.primitive);
+std::string in_words(const ChildVisit& child) {
+    std::string text = to_string(child.outcome);
+    if (child.position) text += fmt::format(", entry {} there", *child.position);
+    if (child.times > 1) text += fmt::format(", {} times", child.times);
+    return text;
+}
+
+std::string in_words(const reference::HitCandidate& hit) {
+    return fmt::format("t {}", exact(hit.t));
+}
+
+void compare_children(const Visit& a, const Visit& b, std::vector<PartPair>& parts) {
+    const auto in = [](const Visit& visit, std::uint32_t node) -> const ChildVisit* {
+        for (const ChildVisit& child : visit.children) {
+            if (child.node == node) return &child;
         }
-        std::sort(out.begin(), out.end());
-        return out;
+        return nullptr;
     };
-    return same_bits(a.minimum, b.minimum) && a.leaf_outcome == b.leaf_outcome &&
-           hits(a) == hits(b) &&
-           std::equal(a.children.begin(), a.children.end(), b.children.begin(), b.children.end(),
-                      same_child);
+    for (const ChildVisit& x : a.children) {
+        const ChildVisit* y = in(b, x.node);
+        if (y != nullptr && x.outcome == y->outcome && x.times == y->times) continue;
+        parts.push_back({fmt::format("child {}", x.node),
+                         y == nullptr ? Change::missing : Change::changed, in_words(x),
+                         y == nullptr ? "" : in_words(*y)});
+    }
+    for (const ChildVisit& y : b.children) {
+        if (in(a, y.node) != nullptr) continue;
+        parts.push_back({fmt::format("child {}", y.node), Change::extra, "", in_words(y)});
+    }
+}
+
+/// Hits are a set: in which slot one lies is free.
+void compare_hits(const Visit& a, const Visit& b, std::vector<PartPair>& parts) {
+    std::vector<const GatheredHit*> of_b;
+    for (const GatheredHit& hit : b.hits) of_b.push_back(&hit);
+    const auto name = [](const GatheredHit& hit) {
+        return fmt::format("hit {}", hit.hit.primitive);
+    };
+    for (const GatheredHit& x : a.hits) {
+        const auto same = std::find_if(of_b.begin(), of_b.end(), [&](const GatheredHit* y) {
+            return std::memcmp(&x.hit, &y->hit, sizeof x.hit) == 0;
+        });
+        if (same == of_b.end()) {
+            parts.push_back({name(x), Change::missing, in_words(x.hit), ""});
+            continue;
+        }
+        if (x.won != (*same)->won) {
+            parts.push_back({name(x), Change::changed, x.won ? "won" : "did not win",
+                             (*same)->won ? "won" : "did not win"});
+        }
+        of_b.erase(same);
+    }
+    for (const GatheredHit* y : of_b) {
+        parts.push_back({name(*y), Change::extra, "", in_words(y->hit)});
+    }
+}
+
+/// What the visits came to; where in a queue they were is free.
+std::vector<PartPair> compare(const Visit& a, const Visit& b) {
+    std::vector<PartPair> parts;
+    if (!same_bits(a.minimum, b.minimum)) {
+        const auto words = [](const std::optional<float>& minimum) {
+            return minimum ? exact(*minimum) : std::string();
+        };
+        parts.push_back({"minimum", Change::changed, words(a.minimum), words(b.minimum)});
+    }
+    compare_children(a, b, parts);
+    if (a.leaf_outcome != b.leaf_outcome) {
+        parts.push_back(
+            {"leaf", Change::changed, to_string(a.leaf_outcome), to_string(b.leaf_outcome)});
+    }
+    compare_hits(a, b, parts);
+    return parts;
+}
+
+std::vector<const TraversalHistory*> traversals_of(const RayHistory& history) {
+    std::vector<const TraversalHistory*> out;
+    for (const BounceHistory& bounce : history.bounces) {
+        out.push_back(&bounce.traversal);
+        for (const LightHistory& light : bounce.lights) out.push_back(&light.traversal);
+    }
+    return out;
 }
 
 }  // namespace
@@ -128,7 +196,8 @@ std::vector<VisitPair> align(const TraversalHistory& a, const TraversalHistory& 
         paired<VisitPair>(a.visits, b.visits, [](const Visit& visit) { return visit.node; });
     for (VisitPair& pair : pairs) {
         if (!pair.a || !pair.b) continue;
-        if (!same_end(*pair.a, *pair.b)) {
+        pair.parts = compare(*pair.a, *pair.b);
+        if (!pair.parts.empty()) {
             pair.change = Change::changed;
         } else if (pair.a->position != pair.b->position) {
             pair.change = Change::moved;
@@ -139,6 +208,21 @@ std::vector<VisitPair> align(const TraversalHistory& a, const TraversalHistory& 
         return (x.a ? x.a : x.b)->node < (y.a ? y.a : y.b)->node;
     });
     return pairs;
+}
+
+std::vector<TraversalPair> align(const RayHistory& a, const RayHistory& b) {
+    static const TraversalHistory nothing;
+    std::vector<TraversalPair> out;
+    std::vector<const TraversalHistory*> of_b = traversals_of(b);
+    for (const TraversalHistory* x : traversals_of(a)) {
+        const auto y = std::find_if(of_b.begin(), of_b.end(), [&](const TraversalHistory* other) {
+            return other->name == x->name;
+        });
+        out.push_back({x->name, align(*x, y == of_b.end() ? nothing : **y)});
+        if (y != of_b.end()) of_b.erase(y);
+    }
+    for (const TraversalHistory* y : of_b) out.push_back({y->name, align(nothing, *y)});
+    return out;
 }
 
 }  // namespace scotty::verify

@@ -37,11 +37,25 @@ struct NodePair {
 std::vector<NodePair> compare_nodes(const Queues& a, const StageRecord& a_stage, const Queues& b,
                                     const StageRecord& b_stage);
 
+/// What is not the same about a visit: its minimum, a child, the leaf's outcome, a buffered hit.
+struct PartPair {
+    std::string what;  ///< "minimum", "child 12", "leaf", "hit 311"
+    Change change = Change::changed;
+    std::string a, b;  ///< in words; empty where that side has none
+};
 /// One ray's visit of a node in two runs.
 struct VisitPair {
     std::optional<Visit> a, b;
     Change change = Change::same;
+    std::vector<PartPair> parts;  ///< of a changed one
 };
 std::vector<VisitPair> align(const TraversalHistory& a, const TraversalHistory& b);
+
+struct TraversalPair {
+    std::string name;
+    std::vector<VisitPair> visits;
+};
+/// Traversals by name, in A's order; what only B has comes last.
+std::vector<TraversalPair> align(const RayHistory& a, const RayHistory& b);
 
 }  // namespace scotty::verify

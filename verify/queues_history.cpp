@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <map>
+#include <unordered_map>
 
 #include "reference/error.h"
 #include "verify/expected.h"
@@ -106,6 +107,13 @@ class Historian {
     std::vector<RayHistory> finish() { return std::move(out_); }
 
  private:
+    /// Where a ray of ours is in the queues that a launch has written.
+    struct Place {
+        std::uint32_t position = 0;  ///< the first one
+        std::uint32_t times = 0;
+    };
+    using Below = std::unordered_map<std::uint64_t, Place>;  ///< by node << 32 | ray
+
     BounceHistory& bounce_of(RayHistory& history, const StageRecord& stage) {
         const std::uint32_t bounce = stage.bounce == kNotApplicable ? 0 : stage.bounce;
         while (history.bounces.size() <= bounce) {
@@ -135,8 +143,7 @@ class Historian {
     void add_level(const StageRecord& stage) {
         const LevelQueues level = queues_.queues_of(stage);
         const PartialStage state = queues_.some_of(stage, {"rays", "minimum"});
-        const PartialStage below =
-            queues_.some_of(stage, {"child_counts", "child_offsets", "child_queue"});
+        const Below below = find_below(stage);
         note_gaps(stage);
         for (RayHistory& history : out_) {
             TraversalHistory& traversal = traversal_of(history, stage);
@@ -169,7 +176,7 @@ class Historian {
     }
 
     void add_visit(RayHistory& history, const StageRecord& stage, const LevelQueues& level,
-                   const PartialStage& state, const PartialStage& below, std::uint32_t node,
+                   const PartialStage& state, const Below& below, std::uint32_t node,
                    std::size_t p) {
         Visit visit;
         visit.stage = stage.name;
@@ -191,25 +198,43 @@ class Historian {
         traversal.visits.push_back(std::move(visit));
     }
 
-    void add_children(Visit& visit, const Ray& ray, std::uint32_t id, const PartialStage& below) {
+    static std::uint64_t place_key(std::uint32_t node, std::uint32_t ray) {
+        return std::uint64_t{node} << 32 | ray;
+    }
+
+    Below find_below(const StageRecord& stage) {
+        const PartialStage part =
+            queues_.some_of(stage, {"child_counts", "child_offsets", "child_queue"});
+        Below below;
+        const BufferView* queue = part.view.find("child_queue");
+        if (queue == nullptr) return below;
+        const auto entries = part.get<std::uint32_t>("child_queue");
+        const Regions regions = regions_of(part.view, *queue, true);
+        std::uint32_t node = bvh_.level_begins[stage.level + 1];
+        for (const Regions::Region& region : regions.regions) {
+            for (std::uint32_t p = 0; p < region.count; ++p) {
+                const std::uint32_t ray = entries[region.begin + p];
+                if (!index_.contains(ray)) continue;
+                Place& place = below[place_key(node, ray)];
+                if (place.times++ == 0) place.position = p;
+            }
+            ++node;
+        }
+        return below;
+    }
+
+    void add_children(Visit& visit, const Ray& ray, std::uint32_t id, const Below& below) {
         const NodeBoxes boxes = boxes_of(bvh_, ref_index(bvh_.node_refs[visit.node]));
         const ExpectedChildren expected =
             expected_children(boxes, ray, visit.minimum.value_or(kInfinity));
-        const BufferView* queue = below.view.find("child_queue");
-        const Regions regions = queue == nullptr ? Regions{} : regions_of(below.view, *queue, true);
-        const auto entries = below.get<std::uint32_t>("child_queue");
-        const std::uint32_t first_child = bvh_.level_begins[visit.level + 1];
         for (std::uint32_t c = 0; c < boxes.width; ++c) {
             if (boxes.child[c] == kNone) continue;
             ChildVisit child;
             child.node = boxes.child[c];
-            const std::size_t region = child.node - first_child;
-            if (region < regions.regions.size()) {
-                const Regions::Region& r = regions.regions[region];
-                for (std::uint32_t p = 0; p < r.count; ++p) {
-                    if (entries[r.begin + p] != id) continue;
-                    if (child.times++ == 0) child.position = p;
-                }
+            const auto found = below.find(place_key(child.node, id));
+            if (found != below.end()) {
+                child.position = found->second.position;
+                child.times = found->second.times;
             }
             const bool overlaps = (expected.overlapped >> c & 1u) != 0;
             const bool required = (expected.required >> c & 1u) != 0;
@@ -369,41 +394,29 @@ class Historian {
         }
     }
 
-    using Place = std::pair<std::uint32_t, std::uint32_t>;  ///< bounce and light
+    using Query = std::pair<std::uint32_t, std::uint32_t>;  ///< bounce and light
 
     const Queues& queues_;
     const WideBvh& bvh_;
     std::vector<std::uint32_t> rays_;
-    std::map<std::uint32_t, std::size_t> index_;
-    std::map<Place, std::uint32_t> next_level_;
-    std::map<std::pair<Place, std::uint32_t>, std::uint32_t> gathered_;
-    std::map<std::pair<Place, std::uint32_t>, std::uint64_t> packed_;
+    std::unordered_map<std::uint32_t, std::size_t> index_;
+    std::map<Query, std::uint32_t> next_level_;
+    std::map<std::pair<Query, std::uint32_t>, std::uint32_t> gathered_;
+    std::map<std::pair<Query, std::uint32_t>, std::uint64_t> packed_;
     std::vector<RayHistory> out_;
 };
-
-/// Rays of a batch, by the first launch that has something by ray.
-std::size_t ray_count(const Queues& queues, std::uint32_t batch) {
-    for (const StageRecord& stage : queues.capture().stages()) {
-        if (stage.batch != batch) continue;
-        for (const auto* buffers : {&stage.inputs, &stage.outputs}) {
-            for (const BufferRecord& buffer : *buffers) {
-                if (buffer.name == "rays" || buffer.name == "radiance") return buffer.shape.at(0);
-            }
-        }
-    }
-    return 0;
-}
 
 }  // namespace
 
 std::vector<RayHistory> histories(const Queues& queues, std::uint32_t batch,
-                                  const std::vector<std::uint32_t>& rays) {
+                                  const std::vector<std::uint32_t>& rays,
+                                  const std::function<bool(const StageRecord&)>& wanted) {
     const std::string who = queues.capture().directory().string();
     if (batch >= queues.batches()) {
         throw Error::bad_input(
             who, fmt::format("there is no batch {}; it holds {}", batch, queues.batches()));
     }
-    const std::size_t count = ray_count(queues, batch);
+    const std::size_t count = queues.ray_count(batch);
     for (const std::uint32_t ray : rays) {
         if (ray < count) continue;
         throw Error::bad_input(who, fmt::format("there is no ray {} in batch {}; it has {} rays, "
@@ -412,7 +425,7 @@ std::vector<RayHistory> histories(const Queues& queues, std::uint32_t batch,
     }
     Historian historian(queues, batch, rays);
     for (const StageRecord& stage : queues.capture().stages()) {
-        if (stage.batch == batch) historian.add(stage);
+        if (stage.batch == batch && (!wanted || wanted(stage))) historian.add(stage);
     }
     return historian.finish();
 }

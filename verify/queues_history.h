@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -106,8 +107,11 @@ struct RayHistory {
 bool is_alive(const std::optional<reference::Ray>& ray);
 
 /// The histories of some rays of one batch, in the order asked for; every launch is read once.
-/// Throws bad_input where there is no such batch or ray, saying how many there are.
+/// `wanted`: only what these launches tell; of a traversal all from its first level on, because the
+/// hits that a launch has added are found by what was there before it. Throws bad_input where there
+/// is no such batch or ray, saying how many there are.
 std::vector<RayHistory> histories(const Queues& queues, std::uint32_t batch,
-                                  const std::vector<std::uint32_t>& rays);
+                                  const std::vector<std::uint32_t>& rays,
+                                  const std::function<bool(const StageRecord&)>& wanted = {});
 
 }  // namespace scotty::verify

@@ -210,25 +210,25 @@ Table history_table(const std::string& title, const RayHistory& history) {
 Table history_table(const std::string& title, const RayHistory& a, const RayHistory& b) {
     Table table{
         title,
-        {"ray", "traversal", "level", "node", "change", "entry_a", "entry_b", "in_a", "in_b"},
+        {"ray", "traversal", "level", "node", "change", "what", "entry_a", "entry_b", "a", "b"},
         {}};
-    std::vector<const TraversalHistory*> of_b;
-    for_each_traversal(b, [&](const TraversalHistory& traversal) { of_b.push_back(&traversal); });
-    for_each_traversal(a, [&](const TraversalHistory& traversal) {
-        static const TraversalHistory nothing;
-        const TraversalHistory* other = &nothing;
-        for (const TraversalHistory* candidate : of_b) {
-            if (candidate->name == traversal.name) other = candidate;
-        }
-        for (const VisitPair& pair : align(traversal, *other)) {
+    for (const TraversalPair& traversal : align(a, b)) {
+        for (const VisitPair& pair : traversal.visits) {
             const Visit& visit = pair.a ? *pair.a : *pair.b;
+            const auto entry = [](const std::optional<Visit>& side) {
+                return side ? ordered_json(side->position) : ordered_json();
+            };
             table.rows.push_back({a.ray, traversal.name, visit.level, visit.node,
-                                  to_string(pair.change),
-                                  pair.a ? ordered_json(pair.a->position) : ordered_json(),
-                                  pair.b ? ordered_json(pair.b->position) : ordered_json(),
+                                  to_string(pair.change), "visit", entry(pair.a), entry(pair.b),
                                   outcome_text(pair.a), outcome_text(pair.b)});
+            for (const PartPair& part : pair.parts) {
+                table.rows.push_back({a.ray, traversal.name, visit.level, visit.node,
+                                      to_string(part.change), part.what, nullptr, nullptr,
+                                      part.a.empty() ? "-" : part.a,
+                                      part.b.empty() ? "-" : part.b});
+            }
         }
-    });
+    }
     return table;
 }
 

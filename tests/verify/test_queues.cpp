@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -298,4 +299,174 @@ TEST_CASE("queues: the trace has a slice a launch, counters, and a ray's flow", 
     }
     CHECK(phases["X"] == slices + visits);
     CHECK(phases["t"] == visits - 2);
+}
+
+TEST_CASE("queues: --json of a ray is a document: bounces, traversals, visits, children and hits",
+          "[queues]") {
+    const std::string command = "queues '" + shared().path + "' --json --ray 40";
+    const auto told = nlohmann::json::parse(scotty_here(command).out);
+    const RayHistory history = histories(shared().queues, 0, {40})[0];
+    CHECK(told["rays"].size() == 1);
+    const auto& ray = told["rays"][0];
+    CHECK((ray["ray"] == 40 && ray["pixel"].size() == 2));
+    REQUIRE(ray["bounces"].size() == history.bounces.size());
+    const auto& visits = ray["bounces"][0]["traversal"]["visits"];
+    REQUIRE(visits.size() == history.bounces[0].traversal.visits.size());
+    for (std::size_t i = 0; i < visits.size(); ++i) {
+        const Visit& visit = history.bounces[0].traversal.visits[i];
+        CHECK(visits[i]["node"] == visit.node);
+        CHECK(visits[i].contains("leaf") == visit.leaf);
+        if (visit.leaf) {
+            CHECK(visits[i]["leaf"]["hits"].size() == visit.hits.size());
+            continue;
+        }
+        REQUIRE(visits[i]["children"].size() == visit.children.size());
+        CHECK(visits[i]["children"][0]["outcome"] == to_string(visit.children[0].outcome));
+    }
+    const auto origin = ray["bounces"][0]["traversal"]["ray"]["origin"];
+    CHECK(origin[2].get<float>() == history.bounces[0].traversal.ray->origin.z);
+}
+
+TEST_CASE("queues: --diff --ray says which child and which hit is not the same", "[queues]") {
+    const TemporaryFolder folder;
+    std::uint32_t ray = kNone;
+    std::uint32_t child = kNone;
+    std::string hit;
+    make_capture(folder.file("b"), small_parameters(), [&](StageCopies& stages) {
+        StageCopy& root = stages.at("bounce0/level0/intersect_root");
+        const auto counts = root.output<std::uint32_t>("child_counts");
+        const auto offsets = root.input<std::uint32_t>("child_offsets");
+        const auto queue = root.output<std::uint32_t>("child_queue");
+        const auto merged = stages.at("bounce0/merge_intersections").output<Hit>("merged");
+        for (child = 0; ray == kNone; ++child) {  // one that hits something
+            for (std::uint32_t p = 0; p + 1 < counts[child] && ray == kNone; ++p) {
+                const std::uint32_t id = queue[offsets[child] + p];
+                if (!is_hit(merged[id])) continue;
+                ray = id;
+                queue[offsets[child] + p] = queue[offsets[child] + p + 1];
+            }
+        }
+        const std::uint32_t primitive = merged[ray].primitive;
+        hit = "hit " + std::to_string(primitive);
+        for (StageCopy& stage : stages.all()) {  // its hit is nearer from the leaf on
+            if (stage.view.bounce != 0 || stage.view.light != scotty::reference::kNotApplicable ||
+                stage.view.find("hits") == nullptr) {
+                continue;
+            }
+            const auto all = stage.view.kind == scotty::reference::StageKind::merge_intersections
+                                 ? stage.input<scotty::reference::HitCandidate>("hits")
+                                 : stage.output<scotty::reference::HitCandidate>("hits");
+            const std::size_t room = all.size() / (13 * 11 * 2);
+            for (std::size_t slot = 0; slot < room; ++slot) {
+                if (all[ray * room + slot].primitive == primitive) all[ray * room + slot].t *= 0.5f;
+            }
+        }
+    });
+    const std::string command = "queues '" + shared().path + "' --diff '" + folder.file("b") +
+                                "' --ray " + std::to_string(ray);
+    const std::string csv = scotty_here(command + " --csv").out;
+    CHECK(csv.find(",changed,child " + std::to_string(child) + ",,,") != std::string::npos);
+    CHECK(csv.find(",lost") != std::string::npos);
+    CHECK(csv.find(",missing," + hit + ",") != std::string::npos);
+    CHECK(csv.find(",extra," + hit + ",") != std::string::npos);
+    const auto told = nlohmann::json::parse(scotty_here(command + " --json").out)["rays"][0];
+    CHECK(told["a"]["ray"] == told["b"]["ray"]);
+    const auto& first = told["differences"][0];
+    CHECK((first["node"] == 0 && first["change"] == "changed"));
+    CHECK(first["what"][0]["what"] == "child " + std::to_string(child));
+    CHECK(first["what"][0]["b"] == "lost");
+}
+
+namespace {
+
+/// Every entry a visit, nothing lost, nothing extra; whether any visit did what is asked for.
+void expect_whole(const Queues& queues, const std::function<bool(const Visit&)>& asked) {
+    bool seen = false;
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> visits;  // launch, node
+    for (std::uint32_t batch = 0; batch < queues.batches(); ++batch) {
+        std::vector<std::uint32_t> rays(queues.ray_count(batch));
+        for (std::uint32_t i = 0; i < rays.size(); ++i) rays[i] = i;
+        for (const RayHistory& history : histories(queues, batch, rays)) {
+            CHECK(history.from);
+            for (const BounceHistory& bounce : history.bounces) {
+                CHECK(bounce.traversal.stray.empty());
+                CHECK((bounce.traversal.winner_node != kNone) == is_hit(*bounce.traversal.merged));
+                for (const Visit& visit : bounce.traversal.visits) {
+                    ++visits[{visit.launch, visit.node}];
+                    seen = seen || asked(visit);
+                    CHECK(visit.leaf_outcome != LeafOutcome::lost);
+                    CHECK(visit.leaf_outcome != LeafOutcome::other);
+                    for (const ChildVisit& child : visit.children) {
+                        CHECK(child.outcome != Outcome::lost);
+                        CHECK(child.outcome != Outcome::extra);
+                    }
+                }
+            }
+        }
+    }
+    CHECK(seen);
+    for (const StageRecord& stage : queues.capture().stages()) {
+        if (!is_level_kernel(stage.kind) || stage.light != scotty::reference::kNotApplicable) {
+            continue;
+        }
+        for (const NodeRow& node : queues.nodes(stage)) {
+            CHECK(visits[{stage.launch, node.node}] == node.count);
+        }
+    }
+}
+
+}  // namespace
+
+TEST_CASE("queues: packed hits: a leaf's hit is buffered, or passed by a nearer one", "[queues]") {
+    const TemporaryFolder folder;
+    auto parameters = small_parameters();
+    parameters.hit_mode = scotty::reference::HitMode::packed;
+    parameters.early_out = scotty::reference::EarlyOut::off;
+    const Capture capture = make_capture(folder / "packed", parameters);
+    const Queues queues(capture);
+    expect_whole(queues, [](const Visit& v) { return v.leaf_outcome == LeafOutcome::passed; });
+    expect_whole(queues, [](const Visit& v) {
+        return v.leaf_outcome == LeafOutcome::buffered && v.hits[0].won;
+    });
+}
+
+TEST_CASE("queues: early-out immediate: minima are the later ones, and nothing is called lost",
+          "[queues]") {
+    const TemporaryFolder folder;
+    auto parameters = small_parameters();
+    parameters.early_out = scotty::reference::EarlyOut::immediate;
+    const Capture capture = make_capture(folder / "immediate", parameters);
+    const Queues queues(capture);
+    expect_whole(queues, [](const Visit& v) { return v.minimum.has_value(); });
+    CHECK(to_text(histories(queues, 0, {7})[0]).find("each launch left behind") !=
+          std::string::npos);
+}
+
+TEST_CASE("queues: several batches: ids count within each, a pixel's rays are found in theirs",
+          "[queues]") {
+    const TemporaryFolder folder;
+    auto parameters = small_parameters();
+    parameters.batch_rays = 100;
+    const Capture capture = make_capture(folder / "batches", parameters);
+    const Queues queues(capture);
+    REQUIRE(queues.batches() == 3);
+    CHECK(queues.ray_count(0) == 100);
+    CHECK(queues.ray_count(2) == 86);
+    expect_whole(queues, [](const Visit& v) { return v.leaf; });
+    std::size_t found = 0;
+    for (std::uint32_t y = 0; y < 11; ++y) {
+        for (std::uint32_t x = 0; x < 13; ++x) {
+            for (const auto& [batch, ray] : queues.rays_of(x, y)) {
+                const auto from = queues.origin(batch, ray);
+                CHECK((from->pixel_x == x && from->pixel_y == y));
+                ++found;
+            }
+        }
+    }
+    CHECK(found == 286);
+    const std::string path = folder.file("batches");
+    CHECK(scotty_here("queues '" + path + "' --ray 99 --batch 2").err.find("has 86 rays") !=
+          std::string::npos);
+    CHECK(scotty_here("queues '" + path + "' --ray 5 --batch 2").out.find("ray 5 of batch 2") !=
+          std::string::npos);
 }

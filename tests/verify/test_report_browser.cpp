@@ -1,14 +1,11 @@
 /// The report page in a real browser, by the page's test of itself (verify/page/selftest.js).
-#include <sys/wait.h>
-
 #include <catch2/catch.hpp>
 #include <cstdlib>
-#include <filesystem>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "reference/write_file.h"
+#include "tests/verify/browser_tools.h"
 #include "tests/verify/capture_tools.h"
 #include "tests/verify/report_pages.h"
 
@@ -17,46 +14,6 @@ namespace {
 using namespace scotty::verify;
 using namespace scotty::verify::test;
 using Catch::Matchers::Contains;
-
-std::string quoted(const std::filesystem::path& path) { return "'" + path.string() + "'"; }
-
-bool browser_is_here() { return std::system("command -v chromium >/dev/null 2>&1") == 0; }
-
-/// What each page, by its name, found out about itself. One browser for all, because starting it
-/// takes longer than all the rest: each page is in a frame of its own.
-std::map<std::string, std::string> self_tests(const std::map<std::string, std::string>& pages) {
-    const TemporaryFolder folder;
-    std::string frames = "<!doctype html><body>";
-    for (const auto& [name, page] : pages) {
-        spill(folder / (name + ".html").c_str(), page);
-        frames += "<iframe width='1280' height='900' id='" + name + "' src='" + name +
-                  ".html#selftest'></iframe>";
-    }
-    spill(folder / "all.html", frames + R"(<script>onload = () => {
-        for (const frame of document.querySelectorAll('iframe')) {
-            const page = frame.contentDocument;
-            const found = page.getElementById('selftest');
-            document.body.append(`{${frame.id}: ${found ? found.textContent : 'no answer'}}`);
-        }
-    };</script>)");
-    const std::string command =
-        "chromium --headless --no-sandbox --disable-gpu --no-first-run "
-        "--allow-file-access-from-files --user-data-dir=" +
-        quoted(folder / "profile") + " --dump-dom " + quoted("file://" / (folder / "all.html")) +
-        " >" + quoted(folder / "dom") + " 2>" + quoted(folder / "log");
-    const int status = std::system(command.c_str());
-    const std::string dom = slurp(folder / "dom");
-    INFO(command << "\n" << slurp(folder / "log"));
-    REQUIRE(WIFEXITED(status));
-    REQUIRE(WEXITSTATUS(status) == 0);
-    std::map<std::string, std::string> found;
-    for (const auto& [name, page] : pages) {
-        const std::size_t start = dom.find("{" + name + ": ");
-        REQUIRE(start != std::string::npos);
-        found[name] = dom.substr(start, dom.find('}', start) - start);
-    }
-    return found;
-}
 
 TEST_CASE("page: in a browser it passes its own test, which sees every planted fault",
           "[verify][page][browser]") {

@@ -37,12 +37,14 @@ document.addEventListener('click', (event) => {
   if (button) copyCommand(button);
 });
 
-// The address's #a=1&b=2 as an object, and back. replaceState: looking around leaves no trail of "back" clicks.
+// The address's #a=1&b=2 as an object, and back. Looking around leaves no trail of "back" clicks, unless it is asked for.
 function stateFromAddress() {
   return Object.fromEntries(new URLSearchParams(location.hash.slice(1)));
 }
 
-function stateToAddress(state) {
+function stateToAddress(state, trail = false) {
   const kept = Object.entries(state).filter(([, value]) => value !== undefined && value !== '');
-  history.replaceState(null, '', `#${String(new URLSearchParams(kept)).replaceAll('%2C', ',')}`);
+  const address = `#${String(new URLSearchParams(kept)).replaceAll('%2C', ',')}`;
+  if (trail) history.pushState(null, '', address);
+  else history.replaceState(null, '', address);
 }

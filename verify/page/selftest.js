@@ -2,24 +2,6 @@
 // The page's test of itself: open it with #selftest at the end of the address. It uses the viewer as a reader does,
 // by keys, pointer and clicks, and holds what is then on the page against numbers it works out for itself.
 
-class SelfTest {
-  constructor() {
-    this.asked = 0;
-    this.failed = [];
-  }
-
-  equal(what, found, expected) {
-    ++this.asked;
-    if (!Object.is(found, expected)) this.failed.push(`${what}: expected ${expected}, found ${found}`);
-  }
-
-  write() {
-    const verdict = this.failed.length === 0 && this.asked > 0 ? 'passed' : 'FAILED';
-    const text = [`selftest: ${verdict}, ${this.asked} asked`, ...this.failed].join('\n');
-    document.body.append(element('pre', { id: 'selftest', textContent: text }));
-  }
-}
-
 // Read anew from the page's text, not by pixels.js: an integer per float, for the checksums and the values.
 function rawWords(base64) {
   const bytes = atob(base64);
@@ -33,9 +15,6 @@ function rawFloat(word) {
   return new Float32Array(Uint32Array.of(word).buffer)[0];
 }
 
-function press(key, target = document.body) {
-  target.dispatchEvent(new KeyboardEvent('keydown', { key, bubbles: true }));
-}
 function point(type, target, [x, y], side, buttons = 0) {
   const box = target.getBoundingClientRect();
   target.dispatchEvent(new PointerEvent(type, { bubbles: true, buttons, pointerType: 'mouse',
@@ -44,7 +23,6 @@ function point(type, target, [x, y], side, buttons = 0) {
 
 const shownView = () => document.querySelector('#views input:checked').value;
 const cellText = (row, channel) => document.querySelectorAll('#values tbody tr')[row].cells[1 + channel].textContent;
-const addressHas = (key) => new URLSearchParams(location.hash.slice(1)).get(key);
 
 // The bytes in the middle of a drawn pixel.
 function drawn(canvas, [x, y], side) {
