@@ -22,6 +22,8 @@ struct InvariantSettings {
     std::string stage_pattern;
     /// Pipeline::trace() names no query: true where it was called for any hit.
     bool trace_asks_any = false;
+    /// Off where shading may be computed by other arithmetic than the exact one.
+    bool recompute_shading = true;
     std::size_t max_failures = 20;  ///< kept; the rest is counted
 };
 

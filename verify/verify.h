@@ -21,6 +21,7 @@ struct VerifySettings {
     /// launch.
     std::string backend = "emulator";
     bool check = false;  ///< this program checks what kernels touch (--check); noted for replays
+    std::string plant;   ///< the fault that is planted in this program; noted for replays
     std::string stage_pattern;  ///< judge these stages only
     bool oracles = true;
     std::uint64_t brute_force_tests = 400'000'000;  ///< see HitCheckSettings
