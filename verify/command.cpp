@@ -82,6 +82,7 @@ int run(int argc, char** argv) {
     add_trace_command(app, action);
     add_golden_command(app, action);
     add_queues_command(app, action);
+    add_mutants_command(app, action);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

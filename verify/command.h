@@ -28,6 +28,7 @@ void add_replay_command(CLI::App& app, Action& action);
 void add_trace_command(CLI::App& app, Action& action);
 void add_golden_command(CLI::App& app, Action& action);
 void add_queues_command(CLI::App& app, Action& action);
+void add_mutants_command(CLI::App& app, Action& action);
 
 /// What main() does; also sets up logging. Never throws.
 int run_command(int argc, char** argv);

@@ -8,7 +8,9 @@
 #include "reference/error.h"
 #include "scenes/scenes.h"
 #include "verify/checked_program.h"
+#include "verify/mutants/plant.h"
 #include "verify/ray_file.h"
+#include "verify/simt/simt_pipeline.h"
 
 namespace scotty::verify {
 
@@ -182,6 +184,10 @@ void add_backend_options(CLI::App& command, BackendChoice& choice, const std::st
     command.add_flag("--check", choice.check,
                      "with --backend simt: watch every load and store of the kernels for races, "
                      "unwritten memory and bounds");
+    command
+        .add_option("--plant", choice.plant,
+                    "with a fault in the kernels: scotty mutants --list has their names")
+        ->type_name("NAME");
     if (!one_configuration) return;
     add_word(
         command, "--schedule",
@@ -196,6 +202,10 @@ Backend chosen_backend(const BackendChoice& choice, std::size_t threads,
         throw Error::bad_input(
             "--check",
             fmt::format("needs --backend simt: what the {} touches is not watched", choice.name));
+    }
+    if (!choice.plant.empty()) {
+        plant(choice.plant, choice.name);
+        simt::watch_memory(choice.check);  // here too it is on by default
     }
     if (choice.check) become_checked_program();
     return backend_named(choice.name, Configuration{parameters, choice.schedule}.device(threads));

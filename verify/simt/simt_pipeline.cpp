@@ -54,13 +54,19 @@ class SimtPipeline final : public gpu::Pipeline {
     std::unique_ptr<gpu::Pipeline> pipeline_;
 };
 
+#if defined(SCOTTY_CHECKED)
+bool watches = true;
+#else
+constexpr bool watches = false;
+#endif
+
 }  // namespace
 
-bool checks_memory() {
+bool checks_memory() { return watches; }
+
+void watch_memory([[maybe_unused]] bool on) {
 #if defined(SCOTTY_CHECKED)
-    return true;
-#else
-    return false;
+    watches = on;
 #endif
 }
 
