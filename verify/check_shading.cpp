@@ -228,7 +228,13 @@ void follow_shading(CheckState& state, const StageView& stage) {
         return;
     }
     paths.radiance = copy_of(stage.get<Vec3>("radiance"));
-    if (stage.kind != StageKind::resolve_light) paths.rays = copy_of(stage.get<Ray>("rays"));
+    if (stage.kind == StageKind::resolve_light) return;
+    paths.rays = copy_of(stage.get<Ray>("rays"));
+    paths.throughput = copy_of(stage.get<Vec3>("throughput"));
+    paths.flags = copy_of(stage.get<std::uint32_t>("flags"));
+    if (stage.kind == StageKind::scene_rays) return;
+    paths.pixel = copy_of(stage.get<std::uint32_t>("pixel"));
+    paths.sample = copy_of(stage.get<std::uint32_t>("sample"));
 }
 
 }  // namespace scotty::verify

@@ -130,6 +130,11 @@ void check_direct_light_rays(CheckState& state, const reference::StageView& stag
 void check_resolve_light(CheckState& state, const reference::StageView& stage);
 void check_scene_rays(CheckState& state, const reference::StageView& stage);
 void check_image(CheckState& state, const reference::StageView& stage);
+// The same stages' results, computed again.
+void check_primary_paths(CheckState& state, const reference::StageView& stage);
+void check_light_paths(CheckState& state, const reference::StageView& stage);
+void check_scattered_paths(CheckState& state, const reference::StageView& stage);
+void check_filter(CheckState& state, const reference::StageView& stage);
 /// Every value of every output that has to be finite is.
 void check_finite(CheckState& state, const reference::StageView& stage);
 

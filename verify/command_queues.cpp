@@ -185,7 +185,7 @@ class QueuesQuestion {
         }
         if (options_.ray) histories_of(queues_, {{options_.batch, *options_.ray}});
         const std::string page = queues_page(queues_, other_ ? &*other_ : nullptr, request);
-        write_file(options_.html, page);
+        reference::write_file(options_.html, page);
         spdlog::info("{}: {:.1f} MB, opens in any browser", options_.html,
                      static_cast<double>(page.size()) / 1e6);
     }

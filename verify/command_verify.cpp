@@ -102,6 +102,7 @@ int run_verify(VerifyOptions& options) {
     chosen_backend(options.backend, options.settings.threads, options.settings.parameters);
     options.settings.backend = options.backend.name;
     options.settings.check = options.backend.check;
+    options.settings.plant = options.backend.plant;
     reference::validate(options.settings.parameters);
     configurations(options.settings.parameters, options.settings.filter);
     if (options.scenes.empty()) {
@@ -230,6 +231,14 @@ void add_verify_command(CLI::App& app, Action& action, const std::string& comman
                      "adversarial, shuffle:1, shuffle:2, ...: determined results must not differ")
         ->type_name("N")
         ->check(CLI::Range(1, 1000000));
+    command
+        ->add_option_function<std::string>(
+            "--filter",
+            [options](const std::string& word) {
+                options->settings.parameters.filter = reference::parse_filter(word);
+            },
+            "smooth the image at the end, and check that [none]")
+        ->type_name("none|gaussian|bilateral|median");
     add_thread_option(*command, options->settings.threads);
     add_picture_options(*command, options->settings.parameters);
     add_filter_options(*command, options->settings.filter);

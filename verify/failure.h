@@ -29,6 +29,8 @@ inline constexpr const char* kResolveLight = "resolve-light";
 inline constexpr const char* kRayRecord = "ray-record";
 inline constexpr const char* kPathState = "path-state";
 inline constexpr const char* kPixels = "pixels";
+inline constexpr const char* kShading = "shading";
+inline constexpr const char* kFilter = "filter";
 }  // namespace invariant
 
 /// One violation. Numbers that do not apply are kNotApplicable, words that do not are empty.

@@ -63,6 +63,7 @@ void InvariantChecker::on_stage(const StageView& stage) {
         ++state.counts.stages;
         check_finite(state, stage);
     }
+    const bool recomputed = judged && state.settings.recompute_shading;
     switch (stage.kind) {
         case StageKind::scan_counts:
             if (judged) check_scan(state, stage);
@@ -89,10 +90,12 @@ void InvariantChecker::on_stage(const StageView& stage) {
             break;
         case StageKind::primary_rays:
             if (judged) check_primary_rays(state, stage);
+            if (recomputed) check_primary_paths(state, stage);
             follow_shading(state, stage);
             break;
         case StageKind::direct_light_rays:
             if (judged) check_direct_light_rays(state, stage);
+            if (recomputed) check_light_paths(state, stage);
             follow_shading(state, stage);
             break;
         case StageKind::resolve_light:
@@ -101,13 +104,15 @@ void InvariantChecker::on_stage(const StageView& stage) {
             break;
         case StageKind::scene_rays:
             if (judged) check_scene_rays(state, stage);
+            if (recomputed) check_scattered_paths(state, stage);
             follow_shading(state, stage);
             break;
         case StageKind::reconstruct_image:
             if (judged) check_image(state, stage);
             break;
         case StageKind::filter:
-            break;  // finite is all that holds for every filter
+            if (judged) check_filter(state, stage);
+            break;
     }
 }
 

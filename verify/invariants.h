@@ -25,6 +25,8 @@ struct InvariantSettings {
     bool trace_asks_any = false;
     /// As Backend::written_by: who wrote what a failure points at.
     std::function<std::string(const void*)> written_by{};
+    /// Off where shading may be computed by other arithmetic than the exact one.
+    bool recompute_shading = true;
     std::size_t max_failures = 20;  ///< kept; the rest is counted
 };
 

@@ -9,7 +9,9 @@
 #include "reference/error.h"
 #include "scenes/scenes.h"
 #include "verify/checked_program.h"
+#include "verify/mutants/plant.h"
 #include "verify/ray_file.h"
+#include "verify/simt/simt_pipeline.h"
 
 namespace scotty::verify {
 
@@ -183,6 +185,10 @@ void add_backend_options(CLI::App& command, BackendChoice& choice, const std::st
     command.add_flag("--check", choice.check,
                      "emulator and simt: watch every load and store of the kernels for races, "
                      "unwritten memory and bounds");
+    command
+        .add_option("--plant", choice.plant,
+                    "with a fault in the kernels: scotty mutants --list has their names")
+        ->type_name("NAME");
     if (!one_configuration) return;
     add_word(
         command, "--schedule",
@@ -209,6 +215,10 @@ Backend chosen_backend(const BackendChoice& choice, std::size_t threads,
         throw Error::bad_input(
             "--schedule",
             fmt::format("{}: a file is of one launch; scotty replay runs it", choice.interleaving));
+    }
+    if (!choice.plant.empty()) {
+        plant(choice.plant, choice.name);
+        simt::watch_memory(choice.check);  // here too it is on by default
     }
     if (choice.check) become_checked_program();
     return backend_named(choice.name, Configuration{parameters, choice.schedule}.device(threads));

@@ -34,12 +34,13 @@ struct BackendChoice {
     bool check = false;
     Schedule schedule{};
     std::string interleaving;  ///< --schedule FILE: a saved order of one launch's blocks
+    std::string plant;  ///< a fault (verify/mutants/plant.h); empty: none
 };
-/// --backend and --check, and --schedule for commands that run one configuration.
+/// --backend, --check and --plant, and --schedule for commands that run one configuration.
 void add_backend_options(CLI::App& command, BackendChoice& choice, const std::string& help,
                          bool one_configuration);
 /// Throws as backend_named() does, and bad_input where --check does not go with the back end. With
-/// --check this may go on as another program.
+/// --check or --plant this may go on as another program.
 Backend chosen_backend(const BackendChoice& choice, std::size_t threads,
                        const reference::PipelineParameters& parameters);
 

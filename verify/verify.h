@@ -21,6 +21,7 @@ struct VerifySettings {
     /// launch.
     std::string backend = "emulator";
     bool check = false;  ///< this program checks what kernels touch (--check); noted for replays
+    std::string plant;   ///< the fault that is planted in this program; noted for replays
     std::string stage_pattern;  ///< judge these stages only
     bool oracles = true;
     /// Every configuration also under so many schedules (schedule_check.h); 0: under its own only.

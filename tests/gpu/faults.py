@@ -4,8 +4,8 @@
   faults.py build NVCC BUILD OUT [NAME...]   one scotty-gpu a fault, from the kernels' text with one change
   faults.py run OUT SCOTTY                   on a machine with a GPU: captures, diffs, prints a table; 1 if one escapes
 
-A fault is a replacement in one file of gpu/ that has to match once, so that it cannot rot unseen. `first` is the
-launch that the diff has to name first, as a regular expression.
+The faults are those of verify/mutants/registry.json that have a `gpu`: there `units` are the sources of gpu/ that have it,
+`first` is the launch that the diff has to name first, as a regular expression.
 """
 import json
 import os
@@ -25,19 +25,15 @@ def capture_folder(fault):
 
 
 def load():
-    with open(os.path.join(TOP, "tests/gpu/faults.json"), encoding="utf-8") as file:
-        return json.load(file)
+    with open(os.path.join(TOP, "verify/mutants/registry.json"), encoding="utf-8") as file:
+        return [{**fault["gpu"], "name": fault["name"], "file": fault["file"]}
+                for fault in json.load(file)["faults"] if "gpu" in fault]
 
 
 def plant(fault, folder):
     """The faulty file, in a tree that the compiler looks into first."""
-    with open(os.path.join(TOP, fault["file"]), encoding="utf-8") as file:
-        text = file.read()
-    if text.count(fault["find"]) != 1:
-        sys.exit(f"{fault['name']}: found {text.count(fault['find'])} times in {fault['file']}: {fault['find']}")
-    os.makedirs(os.path.join(folder, "gpu"), exist_ok=True)
-    with open(os.path.join(folder, fault["file"]), "w", encoding="utf-8") as file:
-        file.write(text.replace(fault["find"], fault["replace"]))
+    generate = os.path.join(TOP, "verify/mutants/generate.py")
+    subprocess.run([sys.executable, generate, folder, "--alone", fault["name"]], check=True)
 
 
 def build(nvcc, build_folder, out, names):

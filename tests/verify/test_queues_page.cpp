@@ -5,6 +5,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "reference/write_file.h"
 #include "tests/verify/browser_tools.h"
 #include "tests/verify/command_tools.h"
 #include "tests/verify/queue_pages.h"
@@ -300,9 +301,9 @@ TEST_CASE("queues page: pages to look at", "[.][queues-page-files]") {
     for (const char* scene : {"spheres", "coil"}) {
         const Runs runs(input_of(64, scene));
         const std::string file = std::string(folder) + "/queues-" + scene;
-        write_file(file + ".html", queues_page(runs.of_a, nullptr, {}));
-        write_file(file + "-diff.html", queues_page(runs.of_a, &runs.of_b, {}));
-        write_file(file + "-faulty.html", queues_page(runs.of_b, nullptr, {}));
+        reference::write_file(file + ".html", queues_page(runs.of_a, nullptr, {}));
+        reference::write_file(file + "-diff.html", queues_page(runs.of_a, &runs.of_b, {}));
+        reference::write_file(file + "-faulty.html", queues_page(runs.of_b, nullptr, {}));
     }
 }
 

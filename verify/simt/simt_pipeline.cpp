@@ -55,6 +55,12 @@ class SimtPipeline final : public gpu::Pipeline {
     std::unique_ptr<gpu::Pipeline> pipeline_;
 };
 
+#if defined(SCOTTY_CHECKED)
+bool watches = true;
+#else
+constexpr bool watches = false;
+#endif
+
 /// Of the emulator, which is watched in this program too.
 const emulation::simt::MemoryChecker* volume_checker() {
 #if defined(SCOTTY_CHECKED)
@@ -66,11 +72,11 @@ const emulation::simt::MemoryChecker* volume_checker() {
 
 }  // namespace
 
-bool checks_memory() {
+bool checks_memory() { return watches; }
+
+void watch_memory([[maybe_unused]] bool on) {
 #if defined(SCOTTY_CHECKED)
-    return true;
-#else
-    return false;
+    watches = on;
 #endif
 }
 

@@ -14,9 +14,11 @@ namespace scotty::simt {
 
 using emulation::simt::SimtOptions;
 
-/// Whether this program was built to check every load and store of the kernels, of both tiers
-/// (emulation/simt/check/): scotty-checked is, scotty is not.
+/// Whether this program checks every load and store of the kernels, of both tiers
+/// (emulation/simt/check/): one that was built to (scotty-checked, scotty-mutants) does, until told
+/// not to.
 bool checks_memory();
+void watch_memory(bool on);
 
 /// Who wrote what an observer is being shown.
 struct WrittenBy {

@@ -1,0 +1,61 @@
+/// What caught a planted fault, and whether that is what should have.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "reference/stage_observer.h"
+#include "verify/mutants/plant.h"
+#include "verify/mutants/processes.h"
+
+namespace scotty::verify {
+
+/// What a command said that has found something.
+struct MutantCatch {
+    /// Failure::invariant of the failure that leads; where that is only "error", the kind of error
+    /// (kind_of_error()). Empty: nothing was found.
+    std::string check;
+    std::string stage;                                 ///< or the kernel, where the process ended
+    std::uint32_t launch = reference::kNotApplicable;  ///< how soon
+    std::string place;  ///< a line of the text, or node, block and ray
+    std::string says;
+    std::vector<std::string> checks;  ///< of all failures
+};
+
+struct MutantResult {
+    PlantedFault fault;
+    MutantCatch found;
+    double seconds = 0.0;
+    std::string why_not;  ///< it counts as caught; empty: it does
+
+    bool caught() const { return why_not.empty(); }
+};
+
+struct HostileResult {
+    HostileCondition condition;
+    double seconds = 0.0;
+    std::string failure;  ///< empty: passed, as it has to
+};
+
+/// "data-race", "divergence", "out-of-bounds", "unwritten-memory", "bad-address", "capacity", or
+/// "error" where it is none of these.
+std::string kind_of_error(const std::string& says);
+
+MutantResult judge(const PlantedFault& fault, const Outcome& outcome);
+HostileResult judge(const HostileCondition& condition, const Outcome& outcome);
+
+struct MutantReport {
+    std::vector<MutantResult> faults;
+    std::vector<HostileResult> hostile;
+    std::string shard;  ///< "2/4"; empty: all
+    double seconds = 0.0;
+
+    std::size_t caught() const;
+    bool passed() const;
+};
+std::string to_text(const MutantReport& report);
+nlohmann::json to_json(const MutantReport& report);
+
+}  // namespace scotty::verify

@@ -1,0 +1,33 @@
+/// Commands of this program, each in a process of its own: one that crashes or hangs costs nobody.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace scotty::verify {
+
+struct Outcome {
+    int exit_code = 0;  ///< or -1: it did not get that far
+    int signal = 0;     ///< that ended it; 0: none
+    bool timed_out = false;
+    std::string output;  ///< of standard output
+    std::string errors;  ///< of standard error
+    double seconds = 0.0;
+};
+
+struct ProcessLimits {
+    std::size_t at_once = 1;  ///< processes
+    unsigned seconds = 120;   ///< then one is ended
+};
+
+/// Runs each command line ("verify", "coil", ...; without the program's name) as run_command()
+/// would, in a fork of this process, which must not have started threads until then. `done` is
+/// called in the order in which they end. Throws missing_environment where a process cannot be
+/// started.
+void run_in_processes(const std::vector<std::vector<std::string>>& commands,
+                      const ProcessLimits& limits,
+                      const std::function<void(std::size_t index, const Outcome& outcome)>& done);
+
+}  // namespace scotty::verify
