@@ -86,6 +86,7 @@ std::variant<Action, int> read_command_line(int argc, char** argv) {
     add_trace_command(app, action);
     add_golden_command(app, action);
     add_queues_command(app, action);
+    add_report_command(app, action);
     add_mutants_command(app, action);
     try {
         app.parse(argc, argv);

@@ -29,6 +29,7 @@ void add_replay_command(CLI::App& app, Action& action);
 void add_trace_command(CLI::App& app, Action& action);
 void add_golden_command(CLI::App& app, Action& action);
 void add_queues_command(CLI::App& app, Action& action);
+void add_report_command(CLI::App& app, Action& action);
 void add_mutants_command(CLI::App& app, Action& action);
 
 /// Reads a whole command line and carries nothing out: the action, or the exit code where it ends

@@ -7,6 +7,8 @@
 #include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
 
 #include "emulation/simt/check/memory_checker.h"
 #include "reference/error.h"
@@ -14,9 +16,11 @@
 #include "scenes/scenes.h"
 #include "verify/backend.h"
 #include "verify/command.h"
+#include "verify/npy.h"
 #include "verify/options.h"
 #include "verify/progress.h"
 #include "verify/report.h"
+#include "verify/report_file.h"
 #include "verify/verify.h"
 #include "verify/verify_golden.h"
 
@@ -32,6 +36,7 @@ struct VerifyOptions {
     bool no_golden = false;
     bool only_golden = false;
     std::string golden;
+    std::string shard;
     std::string command_line;
 
     /// The golden files are of whole scenes: not asked where some configurations or stages are. The
@@ -43,10 +48,36 @@ struct VerifyOptions {
     }
 };
 
+/// What a sweep was asked for, by which its parts know each other.
+nlohmann::ordered_json sweep_of(const VerifyOptions& options,
+                                const std::vector<reference::Scene>& scenes) {
+    const VerifySettings& settings = options.settings;
+    nlohmann::ordered_json sweep{{"version", SCOTTY_VERSION},
+                                 {"backend", options.backend.name},
+                                 {"check", options.backend.check},
+                                 {"plant", options.backend.plant},
+                                 {"stage", settings.stage_pattern},
+                                 {"oracles", settings.oracles},
+                                 {"brute_force", settings.brute_force_tests},
+                                 {"schedules", settings.schedules},
+                                 {"golden", options.asks_golden()},
+                                 {"only_golden", options.only_golden}};
+    for (const Configuration& configuration : all_configurations(settings)) {
+        sweep["configurations"].push_back(configuration.options());
+    }
+    sweep["parameters"] = to_json(settings.parameters);
+    for (const reference::Scene& scene : scenes) {
+        sweep["scenes"].push_back({scene.source, hex_text(fingerprint(scene))});
+    }
+    return sweep;
+}
+
 /// "-" is standard output; then nothing else is printed there.
-void write_reports(const VerifyOptions& options, const Report& report) {
+void write_reports(const VerifyOptions& options, const Report& report,
+                   const std::optional<ReportPart>& part) {
+    const auto json = [&] { return (part ? part_json(*part) : to_json(report)).dump(2) + "\n"; };
     if (!options.json.empty() && options.json != "-") {
-        reference::write_file(options.json, to_json(report).dump(2) + "\n");
+        reference::write_file(options.json, json());
     }
     if (!options.junit.empty()) reference::write_file(options.junit, to_junit(report));
     if (!options.html.empty()) reference::write_file(options.html, to_html(report));
@@ -56,22 +87,28 @@ void write_reports(const VerifyOptions& options, const Report& report) {
         reference::write_file(options.folder + "/verify.html", to_html(report));
         spdlog::info("report: {}/verify.html", options.folder);
     }
-    print_result(options.json == "-" ? to_json(report).dump(2) : table(report));
+    print_result(options.json == "-" ? json() : table(report));
 }
 
-void judge_golden_files(const VerifyOptions& options, Report& report) {
-    Progress progress;
+GoldenSettings golden_settings(const VerifyOptions& options, std::size_t first_unit) {
     GoldenSettings golden;
     golden.folder = options.golden;
     golden.scenes = options.scenes;
     golden.threads = options.settings.threads;
+    golden.has_unit = options.settings.has_unit;
+    golden.first_unit = first_unit;
+    return golden;
+}
+
+void judge_golden_files(const VerifyOptions& options, GoldenSettings golden, Report& report) {
+    Progress progress;
     golden.progress = [&](const std::string& name, std::size_t done, std::size_t total) {
         progress.show(fmt::format("golden image {} of {}: {}", done + 1, total, name));
     };
     const auto device = Configuration{options.settings.parameters}.device(options.settings.threads);
     verify_golden(golden, backend_named(options.backend.name, device), report);
     progress.clear();
-    if (options.only_golden && report.images.empty() && report.golden_failures.empty()) {
+    if (options.only_golden && units_of_golden(golden) == 0 && report.golden_failures.empty()) {
         throw reference::Error::bad_input(
             "--only-golden",
             "none of these scenes has a golden image; scotty golden check says "
@@ -84,7 +121,7 @@ void judge_golden_files(const VerifyOptions& options, Report& report) {
 
 /// A pattern that no stage's name matches has verified nothing.
 bool matched_nothing(const VerifyOptions& options, const Report& report) {
-    if (options.only_golden) return false;
+    if (options.only_golden || options.settings.has_unit) return false;  // of a part, join() asks
     if (options.settings.stage_pattern.empty()) return report.scenes.empty();
     return std::all_of(report.scenes.begin(), report.scenes.end(), [](const SceneReport& scene) {
         return std::all_of(scene.configurations.begin(), scene.configurations.end(),
@@ -111,6 +148,17 @@ int run_verify(VerifyOptions& options) {
     std::vector<reference::Scene> loaded;
     for (const std::string& scene : options.scenes) loaded.push_back(scenes::load_scene(scene));
 
+    // Runs are numbered over the whole sweep, scene after scene, then the golden images.
+    const Shard shard = parse_shard(options.shard);
+    const std::size_t each = options.only_golden ? 0 : units_of_scene(options.settings);
+    const std::size_t first_golden = each * loaded.size();
+    const std::size_t units =
+        first_golden +
+        (options.asks_golden() ? units_of_golden(golden_settings(options, first_golden)) : 0);
+    if (!options.shard.empty()) {
+        options.settings.has_unit = [=](std::size_t unit) { return shard.has(unit, units); };
+    }
+
     Report report;
     report.parameters = options.settings.parameters;
     report.threads = options.settings.threads != 0
@@ -122,21 +170,23 @@ int run_verify(VerifyOptions& options) {
         for (const std::string& warning : loaded[i].warnings) {
             spdlog::warn("{}: {}", options.scenes[i], warning);
         }
+        options.settings.first_unit = i * each;
         Progress progress;
         options.settings.progress = [&](const std::string& what, std::size_t done,
                                         std::size_t total) {
             progress.show(fmt::format("scene {} of {}: {}, {} of {}: {}", i + 1, loaded.size(),
                                       loaded[i].name, done + 1, total, what));
         };
-        report.scenes.push_back(verify_scene(loaded[i], options.settings));
+        SceneReport scene = verify_scene(loaded[i], options.settings);
         progress.clear();
-        const SceneReport& scene = report.scenes.back();
+        if (scene.configurations.empty()) continue;  // all of it is other shards'
         spdlog::info("{}: {} configurations, {} rays, {:.1f} s: {}", scene.scene,
                      scene.configurations.size(), scene.rays(), scene.seconds,
                      scene.passed() ? "passed" : "FAILED");
+        report.scenes.push_back(std::move(scene));
     }
     if (options.asks_golden()) {
-        judge_golden_files(options, report);
+        judge_golden_files(options, golden_settings(options, first_golden), report);
     } else if (options.backend.name == "simt" && !options.no_golden) {
         spdlog::info(
             "golden images are not asked of simt, which takes minutes: --only-golden does");
@@ -154,7 +204,9 @@ int run_verify(VerifyOptions& options) {
                                    "bounce1/light0/level3/intersect (* and ? may stand in)",
                                    options.settings.stage_pattern));
     }
-    write_reports(options, report);
+    std::optional<ReportPart> part;
+    if (!options.shard.empty()) part = {shard, units, sweep_of(options, loaded), report};
+    write_reports(options, report, part);
     return report.passed() ? kExitPassed : kExitFailed;
 }
 
@@ -178,7 +230,8 @@ void add_verify_command(CLI::App& app, Action& action, const std::string& comman
         "                                               one configuration, some of its stages\n"
         "  scotty verify --backend cuda                 the CUDA pipeline, against the emulator "
         "too\n"
-        "  scotty verify --json - | jq .passed\n\n"
+        "  scotty verify --json - | jq .passed\n"
+        "  scotty verify --shard 2/8 --json 2.json      one of eight parts, for scotty report\n\n"
         "Checked are invariants after every launch; the hits of every traversal against brute\n"
         "force (bit for bit) and Embree (differences adjudicated); every configuration against "
         "the\n"
@@ -239,6 +292,7 @@ void add_verify_command(CLI::App& app, Action& action, const std::string& comman
             },
             "smooth the image at the end, and check that [none]")
         ->type_name("none|gaussian|bilateral|median");
+    add_shard_option(*command, options->shard);
     add_thread_option(*command, options->settings.threads);
     add_picture_options(*command, options->settings.parameters);
     add_filter_options(*command, options->settings.filter);

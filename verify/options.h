@@ -34,7 +34,7 @@ struct BackendChoice {
     bool check = false;
     Schedule schedule{};
     std::string interleaving;  ///< --schedule FILE: a saved order of one launch's blocks
-    std::string plant;  ///< a fault (verify/mutants/plant.h); empty: none
+    std::string plant;         ///< a fault (verify/mutants/plant.h); empty: none
 };
 /// --backend, --check and --plant, and --schedule for commands that run one configuration.
 void add_backend_options(CLI::App& command, BackendChoice& choice, const std::string& help,

@@ -31,7 +31,7 @@ bool SceneReport::passed() const {
 }
 
 bool Report::passed() const {
-    return golden_failures.empty() &&
+    return golden_failures.empty() && (!mutants || mutants->passed()) &&
            std::all_of(scenes.begin(), scenes.end(),
                        [](const SceneReport& scene) { return scene.passed(); }) &&
            std::all_of(images.begin(), images.end(),
@@ -67,6 +67,24 @@ std::vector<PlacedFailure> placed_failures(const Report& report) {
         for (const Failure& failure : failures_of(image)) {
             placed.push_back({image.name, "golden image", failure, image.replay, image.approve});
         }
+    }
+    if (!report.mutants) return placed;
+    for (const MutantResult& result : report.mutants->faults) {
+        if (result.caught()) continue;
+        Failure failure;
+        failure.invariant = "planted-fault";
+        failure.stage = result.found.stage;
+        failure.sentence = result.why_not;
+        placed.push_back({result.fault.name, result.fault.file, failure,
+                          "scotty mutants " + result.fault.name, ""});
+    }
+    for (const HostileResult& result : report.mutants->hostile) {
+        if (result.failure.empty()) continue;
+        Failure failure;
+        failure.invariant = "hostile-condition";
+        failure.sentence = result.failure;
+        placed.push_back({result.condition.name, result.condition.what, failure,
+                          "scotty mutants " + result.condition.name, ""});
     }
     return placed;
 }
@@ -184,6 +202,7 @@ std::string table(const Report& report) {
             stages.differ);
     }
     out += schedules_and_checks(report);
+    if (report.mutants) out += score(*report.mutants);
     const auto failures = placed_failures(report);
     if (failures.empty()) return out;
     const PlacedFailure& first = failures.front();
@@ -293,6 +312,7 @@ nlohmann::json to_json(const Report& report) {
     }
     const auto& p = report.parameters;
     return {{"passed", report.passed()},
+            {"mutants", report.mutants ? to_json(*report.mutants) : nlohmann::json(nullptr)},
             {"command", report.command},
             {"threads", report.threads},
             {"backend", report.backend},

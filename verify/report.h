@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "verify/failure.h"
 #include "verify/hit_check.h"
 #include "verify/invariants.h"
+#include "verify/mutants/judge.h"
 #include "verify/report_images.h"
 
 namespace scotty::verify {
@@ -28,7 +30,8 @@ struct StageCounts {
 
 struct ConfigurationReport {
     std::string label;
-    StageCounts stages;  ///< all zero where the emulator is what is verified
+    std::size_t unit = 0;  ///< its number in the whole sweep (VerifySettings::first_unit)
+    StageCounts stages;    ///< all zero where the emulator is what is verified
     InvariantCounts counts;
     std::uint64_t rays = 0;     ///< living rays traced
     std::size_t schedules = 0;  ///< under which it ran besides its own
@@ -75,6 +78,7 @@ struct Report {
     /// Probability that all these images together fail though nothing is wrong.
     double false_alarm = 0.0;
     double seconds = 0.0;
+    std::optional<MutantReport> mutants;  ///< where `scotty report` was given them
 
     bool passed() const;
 };

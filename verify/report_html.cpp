@@ -158,6 +158,7 @@ std::string verdict_part(const Report& report, std::size_t failures) {
     if (!report.scenes.empty()) {
         out += R"(<a href="#scenes">Scenes</a><a href="#runs">Runs</a>)";
     }
+    if (report.mutants) out += R"(<a href="#mutants">Planted faults</a>)";
     return out + "</nav>\n";
 }
 
@@ -237,6 +238,31 @@ std::string runs_part(const Report& report) {
     return out + "</section>\n";
 }
 
+std::string mutants_part(const MutantReport& mutants) {
+    std::string out = fmt::format(
+        "<section id=\"mutants\" aria-labelledby=\"mutants-title\">\n<h2 "
+        "id=\"mutants-title\">Planted faults</h2>\n<p class=\"lead\">{}</p>\n"
+        "<div class=\"wide\" role=\"region\" aria-label=\"Planted faults\" tabindex=\"0\"><table>\n"
+        "<thead><tr><th scope=\"col\">planted</th><th scope=\"col\">verdict</th><th "
+        "scope=\"col\">in"
+        "</th><th scope=\"col\">found by</th><th scope=\"col\">launch</th><th scope=\"col\">stage"
+        "</th><th scope=\"col\">place</th><th scope=\"col\">seconds</th></tr></thead>\n<tbody>\n",
+        html_text(score(mutants)));
+    const auto caught = [](const MutantResult& result) { return result.caught(); };
+    for (const MutantResult* result : failed_first(mutants.faults, caught)) {
+        const MutantCatch& found = result->found;
+        out += fmt::format(
+            "<tr><th scope=\"row\" title=\"{}\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
+            "<td>{}</td><td>{}</td><td>{:.1f}</td></tr>\n",
+            html_text(result->fault.what), html_text(result->fault.name),
+            result->caught() ? "caught" : R"(<span class="fault">escaped</span>)",
+            html_text(result->fault.file), html_text(found.check),
+            found.launch == reference::kNotApplicable ? "" : fmt::format("{}", found.launch),
+            html_text(found.stage), html_text(found.place), result->seconds);
+    }
+    return out + "</tbody></table></div>\n</section>\n";
+}
+
 std::string image_data(const Report& report) {
     nlohmann::json data = nlohmann::json::array();
     const auto passed = [](const ImageCase& image) { return image.passed(); };
@@ -264,6 +290,7 @@ std::string to_html(const Report& report) {
          {"failures", failures_part(failures)},
          {"images", images ? filled_page("images.html", {}) : ""},
          {"scenes", report.scenes.empty() ? "" : scenes_part(report)},
+         {"mutants", report.mutants ? mutants_part(*report.mutants) : ""},
          {"runs", report.scenes.empty() ? "" : runs_part(report)},
          {"data", images ? image_data(report) : ""}});
 }

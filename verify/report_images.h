@@ -13,6 +13,7 @@ namespace scotty::verify {
 
 struct ImageCase {
     std::string name;
+    std::size_t unit = 0;  ///< its number in the whole sweep
     MeasuredImage image, golden;
     ImageVerdict verdict;
     /// What was compared exactly beside the image, and failed: the stage ledger, and whether the

@@ -13,6 +13,8 @@ struct Shard {
 
     /// Dealt out like cards, so that neighbours, which take about as long, part.
     bool has(std::size_t item) const { return item % count == index; }
+    /// In runs of neighbours, where these share what has to be done first.
+    bool has(std::size_t item, std::size_t of) const { return item * count / of == index; }
 };
 
 /// "2/4": the second of four; empty: all of it. Throws bad_input.

@@ -65,20 +65,34 @@ class SceneVerification {
 
     SceneReport run() {
         const auto start = Clock::now();
-        const Configuration baseline = baseline_configuration(settings_.parameters);
-        std::vector<Configuration> others = configurations(settings_.parameters, settings_.filter);
-        std::erase_if(others, [&](const Configuration& c) {
-            return c.options() == baseline.options();  // it runs anyway
-        });
-        steps_ = 1 + (settings_.oracles ? 1 : 0) + others.size();
-        Recording truth = run_configuration(baseline, nullptr);
-        if (settings_.oracles) run_oracles(truth);
-        for (const Configuration& configuration : others) run_configuration(configuration, &truth);
+        const std::vector<Configuration> all = all_configurations(settings_);
+        std::vector<std::size_t> ours;  // but the baseline
+        for (std::size_t i = 1; i < all.size(); ++i) {
+            if (is_ours(i)) ours.push_back(i);
+        }
+        const bool whole = is_ours(0);
+        if (!whole && ours.empty()) return std::move(report_);
+        steps_ = 1 + (whole && settings_.oracles ? 1 : 0) + ours.size();
+        const Recording truth = run_configuration(all.front(), nullptr);
+        if (whole) {
+            if (settings_.oracles) run_oracles(truth);
+        } else {
+            report_.configurations.clear();  // another shard's to report
+        }
+        for (const std::size_t i : ours) {
+            run_configuration(all[i], &truth);
+            report_.configurations.back().unit = settings_.first_unit + i;
+        }
+        if (whole) report_.configurations.front().unit = settings_.first_unit;
         report_.seconds = seconds_since(start);
         return std::move(report_);
     }
 
  private:
+    bool is_ours(std::size_t configuration) const {
+        return !settings_.has_unit || settings_.has_unit(settings_.first_unit + configuration);
+    }
+
     void begin_step(const std::string& what) {
         if (settings_.progress) settings_.progress(what, done_, steps_);
         ++done_;
@@ -293,6 +307,18 @@ PipelineParameters default_verify_parameters() {
     p.bounces = 2;
     p.light_samples = 2;
     return p;
+}
+
+std::vector<Configuration> all_configurations(const VerifySettings& settings) {
+    std::vector<Configuration> all{baseline_configuration(settings.parameters)};
+    for (const Configuration& c : configurations(settings.parameters, settings.filter)) {
+        if (c.options() != all.front().options()) all.push_back(c);
+    }
+    return all;
+}
+
+std::size_t units_of_scene(const VerifySettings& settings) {
+    return all_configurations(settings).size();
 }
 
 SceneReport verify_scene(const reference::Scene& scene, const VerifySettings& settings) {

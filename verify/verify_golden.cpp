@@ -38,6 +38,15 @@ std::vector<Color> statistics(const MeasuredImage& image, const MeasuredImage& g
     return z;
 }
 
+std::vector<GoldenCase> cases_of(const GoldenSettings& settings) {
+    std::vector<GoldenCase> cases = golden_cases();
+    std::erase_if(cases, [&](const GoldenCase& one) {
+        return std::find(settings.scenes.begin(), settings.scenes.end(), one.scene) ==
+               settings.scenes.end();
+    });
+    return cases;
+}
+
 ImageCase image_case(GoldenVerdict verdict) {
     ImageCase out;
     out.name = verdict.name;
@@ -63,13 +72,10 @@ ImageCase image_case(GoldenVerdict verdict) {
 
 }  // namespace
 
+std::size_t units_of_golden(const GoldenSettings& settings) { return cases_of(settings).size(); }
+
 void verify_golden(const GoldenSettings& settings, const Backend& backend, Report& report) {
-    std::vector<GoldenCase> cases = golden_cases();
-    const std::vector<GoldenCase> all = cases;
-    std::erase_if(cases, [&](const GoldenCase& one) {
-        return std::find(settings.scenes.begin(), settings.scenes.end(), one.scene) ==
-               settings.scenes.end();
-    });
+    const std::vector<GoldenCase> cases = cases_of(settings);
     if (cases.empty()) return;
     const auto fail = [&](const std::string& invariant, const std::string& place,
                           const std::string& sentence) {
@@ -83,7 +89,7 @@ void verify_golden(const GoldenSettings& settings, const Backend& backend, Repor
         const std::filesystem::path folder =
             settings.folder.empty() ? find_golden_folder() : std::filesystem::path(settings.folder);
         std::vector<std::string> broken;
-        for (const GoldenFinding& found : check_golden(folder, all, today())) {
+        for (const GoldenFinding& found : check_golden(folder, golden_cases(), today())) {
             const bool ours = found.name.empty() ||
                               std::find(names.begin(), names.end(), found.name) != names.end();
             if (!ours) continue;
@@ -96,10 +102,14 @@ void verify_golden(const GoldenSettings& settings, const Backend& backend, Repor
         const double each = false_alarm_per_image(settings.false_alarm, cases.size());
         for (std::size_t i = 0; i < cases.size(); ++i) {
             if (std::find(broken.begin(), broken.end(), cases[i].name) != broken.end()) continue;
+            const std::size_t unit = settings.first_unit + i;
+            if (settings.has_unit && !settings.has_unit(unit)) continue;
             if (settings.progress) settings.progress(cases[i].name, i, cases.size());
             report.images.push_back(image_case(
                 judge_golden(folder, cases[i], backend, waivers, each, settings.threads)));
+            report.images.back().unit = unit;
         }
+        if (settings.has_unit) return;  // no shard knows what the others needed
         for (const Waiver& unused : waivers.unused(names, backend.name)) {
             spdlog::warn("{} covered nothing: it can go from golden/waivers.json",
                          to_string(unused));

@@ -56,6 +56,16 @@ struct MutantReport {
     bool passed() const;
 };
 std::string to_text(const MutantReport& report);
+/// "mutants: 96 of 96 caught" and the same of hostile conditions, a line each.
+std::string score(const MutantReport& report);
 nlohmann::json to_json(const MutantReport& report);
+
+/// Whether a JSON document says that it is one of to_json()'s.
+bool is_mutant_report(const nlohmann::json& object);
+/// Of the content of `path`. Throws bad_input naming it.
+MutantReport read_mutants(const std::string& path, const nlohmann::json& object);
+/// Of all shards: names[i] is the file of parts[i]. Throws bad_input where one is missing or there
+/// twice.
+MutantReport join(const std::vector<MutantReport>& parts, const std::vector<std::string>& names);
 
 }  // namespace scotty::verify

@@ -2,13 +2,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 
+#include "reference/error.h"
 #include "verify/mutants/judge.h"
+#include "verify/report_file.h"
+#include "verify/shard.h"
 
 namespace scotty::verify {
 
 namespace {
+
+constexpr const char* kFormat = "cuda-scotty-mutants";
 
 std::string launch_text(std::uint32_t launch) {
     return launch == reference::kNotApplicable ? "-" : fmt::format("{}", launch);
@@ -63,7 +69,11 @@ std::string to_text(const MutantReport& report) {
                                 result.condition.run);
         }
     }
-    text += "\n";
+    return text + "\n" + score(report);
+}
+
+std::string score(const MutantReport& report) {
+    std::string text;
     if (!report.faults.empty()) {
         text += fmt::format("mutants: {} of {} caught\n", report.caught(), report.faults.size());
     }
@@ -91,6 +101,7 @@ nlohmann::json to_json(const MutantReport& report) {
             {"place", found.place},
             {"says", found.says},
             {"seconds", result.seconds},
+            {"run", result.fault.run},
             {"replay", "scotty " + result.fault.run + " --plant " + result.fault.name}};
         if (found.launch != reference::kNotApplicable) one["launch"] = found.launch;
         mutants.push_back(std::move(one));
@@ -102,11 +113,72 @@ nlohmann::json to_json(const MutantReport& report) {
                            {"passed", result.failure.empty()},
                            {"failure", result.failure},
                            {"seconds", result.seconds},
+                           {"run", result.condition.run},
                            {"replay", "scotty " + result.condition.run}});
     }
-    return {{"passed", report.passed()}, {"caught", report.caught()}, {"of", report.faults.size()},
-            {"shard", report.shard},     {"seconds", report.seconds}, {"mutants", mutants},
-            {"hostile", hostile}};
+    return {{"format", kFormat},          {"passed", report.passed()}, {"caught", report.caught()},
+            {"of", report.faults.size()}, {"shard", report.shard},     {"seconds", report.seconds},
+            {"mutants", mutants},         {"hostile", hostile}};
+}
+
+bool is_mutant_report(const nlohmann::json& object) {
+    return object.is_object() && object.contains("format") && object["format"] == kFormat;
+}
+
+MutantReport read_mutants(const std::string& path, const nlohmann::json& object) {
+    try {
+        MutantReport report;
+        report.shard = object.at("shard");
+        report.seconds = object.at("seconds");
+        for (const auto& one : object.at("mutants")) {
+            MutantResult& result = report.faults.emplace_back();
+            result.fault.name = one.at("name");
+            result.fault.what = one.at("what");
+            result.fault.file = one.at("file");
+            result.fault.defect = one.at("defect");
+            result.fault.run = one.at("run");
+            result.why_not = one.at("why_not");
+            result.seconds = one.at("seconds");
+            result.found.check = one.at("check");
+            result.found.stage = one.at("stage");
+            result.found.place = one.at("place");
+            result.found.says = one.at("says");
+            if (!one.at("launch").is_null()) result.found.launch = one.at("launch");
+        }
+        for (const auto& one : object.at("hostile")) {
+            report.hostile.push_back({{one.at("name"), one.at("what"), one.at("run")},
+                                      one.at("seconds"),
+                                      one.at("failure")});
+        }
+        return report;
+    } catch (const nlohmann::json::exception& error) {
+        throw reference::Error::bad_input(path, error.what());
+    }
+}
+
+MutantReport join(const std::vector<MutantReport>& parts, const std::vector<std::string>& names) {
+    std::vector<Shard> shards;
+    for (const MutantReport& part : parts) shards.push_back(parse_shard(part.shard));
+    check_shards(shards, names);
+    // Dealt out like cards, faults first and then conditions: so they come back.
+    std::map<std::size_t, MutantResult> faults;
+    std::map<std::size_t, HostileResult> hostile;
+    MutantReport whole;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        std::size_t item = shards[i].index;
+        for (const MutantResult& result : parts[i].faults) {
+            faults[item] = result;
+            item += shards[i].count;
+        }
+        for (const HostileResult& result : parts[i].hostile) {
+            hostile[item] = result;
+            item += shards[i].count;
+        }
+        whole.seconds += parts[i].seconds;
+    }
+    for (const auto& [item, result] : faults) whole.faults.push_back(result);
+    for (const auto& [item, result] : hostile) whole.hostile.push_back(result);
+    return whole;
 }
 
 }  // namespace scotty::verify

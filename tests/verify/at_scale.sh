@@ -1,0 +1,49 @@
+#!/usr/bin/env bash
+# at_scale.sh SCOTTY: a sweep whole, and in parts run by GNU parallel. The joined report says the same but for times;
+# parts that are missing, doubled or of another sweep are refused. 77: no GNU parallel here.
+set -euo pipefail
+scotty=$1
+parallel --version 2>/dev/null | grep -q GNU || {
+    echo "not run: needs GNU parallel (Debian: parallel)"
+    exit 77
+}
+out=$(mktemp -d)
+trap 'rm -rf "$out"' EXIT
+sweep=(verify furnace veil --size 16x12 --spp 1 --bounces 1 --schedules 2)
+
+"$scotty" "${sweep[@]}" --json "$out/whole.json" --golden "$(dirname "$0")/../../golden" >/dev/null 2>&1
+seq 3 | parallel --will-cite -j2 "$scotty" "${sweep[@]}" --golden "$(dirname "$0")/../../golden" \
+    --shard {}/3 --json "$out/{}.json" ">$out/{}.log 2>&1"
+"$scotty" report "$out"/{3,1,2}.json --json "$out/joined.json" --html "$out/joined.html" --junit "$out/joined.xml" \
+    >/dev/null 2>&1
+
+python3 - "$out" <<'TEXT'
+import json, sys
+def without_times(value):
+    if isinstance(value, dict):
+        return {k: without_times(v) for k, v in value.items() if k not in ("seconds", "oracle_seconds", "command")}
+    return [without_times(v) for v in value] if isinstance(value, list) else value
+whole, joined = (without_times(json.load(open(f"{sys.argv[1]}/{name}.json"))) for name in ("whole", "joined"))
+assert whole["passed"] and len(whole["images"]) == 2 and len(whole["scenes"]) == 2, "the sweep is not what it should be"
+for key in whole.keys() | joined.keys():
+    assert whole.get(key) == joined.get(key), f"{key} is not the same"
+sizes = [len(c["scenes"]) + len(c["images"]) for c in (json.load(open(f"{sys.argv[1]}/{i}.json")) for i in (1, 2, 3))]
+assert all(sizes), f"a part has nothing to do: {sizes}"
+TEXT
+[[ -s $out/joined.html && -s $out/joined.xml ]]
+
+refused() { # WORDS FILE...
+    local words=$1 code=0
+    shift
+    "$scotty" report "$@" >"$out/said" 2>&1 || code=$?
+    [[ $code == 2 ]] && grep -q "$words" "$out/said" && return
+    echo "expected exit code 2 and '$words', found $code:"
+    cat "$out/said"
+    exit 1
+}
+refused "shard 2/3: is missing" "$out"/{1,3}.json
+refused "is shard 1/3, and so is" "$out"/{1,1,2,3}.json
+"$scotty" "${sweep[@]}" --seed 1 --no-golden --shard 2/3 --json "$out/other.json" >/dev/null 2>&1
+refused "is of another sweep" "$out"/{1,other,3}.json
+refused "expected what scotty verify --shard" "$out/whole.json"
+echo "whole and joined say the same"
