@@ -14,7 +14,7 @@ namespace scotty::verify {
 
 namespace {
 
-constexpr const char* kFormat = "cuda-scotty-mutants";
+constexpr const char* kMutantsFormat = "cuda-scotty-mutants";
 
 std::string launch_text(std::uint32_t launch) {
     return launch == reference::kNotApplicable ? "-" : fmt::format("{}", launch);
@@ -116,13 +116,13 @@ nlohmann::json to_json(const MutantReport& report) {
                            {"run", result.condition.run},
                            {"replay", "scotty " + result.condition.run}});
     }
-    return {{"format", kFormat},          {"passed", report.passed()}, {"caught", report.caught()},
+    return {{"format", kMutantsFormat},   {"passed", report.passed()}, {"caught", report.caught()},
             {"of", report.faults.size()}, {"shard", report.shard},     {"seconds", report.seconds},
             {"mutants", mutants},         {"hostile", hostile}};
 }
 
 bool is_mutant_report(const nlohmann::json& object) {
-    return object.is_object() && object.contains("format") && object["format"] == kFormat;
+    return object.is_object() && object.contains("format") && object["format"] == kMutantsFormat;
 }
 
 MutantReport read_mutants(const std::string& path, const nlohmann::json& object) {
