@@ -194,7 +194,12 @@ TEST_CASE("queues page: --html writes it, and a part of a run says that it is no
     const Result result = scotty_here("queues '" + folder.file("part") + "' --html '" + page + "'");
     CHECK(result.exit_code == kExitPassed);
     CHECK(slurp(page).find("\"checked\":false") != std::string::npos);
-    CHECK(slurp(page).find("default-src 'none'") != std::string::npos);
+    const std::string text = slurp(page);
+    CHECK(text.find("default-src 'none'") != std::string::npos);
+    for (const char* fetches : {"http:", "https:", "src=", "<link", "@import", "url("}) {
+        INFO(fetches);
+        CHECK(text.find(fetches) == std::string::npos);
+    }
     CHECK(scotty_here("queues '" + folder.file("part") + "' --pixel 99,0 --html '" + page + "'")
               .exit_code == kExitUsage);
 }

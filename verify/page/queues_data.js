@@ -3,10 +3,14 @@
 
 // All at once rather than by a stream of the file: it is there already. Little endian, as every browser's machine is.
 async function inflated(base64) {
+  const letters = atob(base64);
+  const packed = new Uint8Array(letters.length);
+  for (let i = 0; i < letters.length; ++i) packed[i] = letters.charCodeAt(i);
   const stream = new DecompressionStream('deflate');
   const writer = stream.writable.getWriter();
-  writer.write(Uint8Array.from(atob(base64), (c) => c.charCodeAt(0)));
-  writer.close();
+  // A broken stream is the reader's error, below; these two say it again.
+  writer.write(packed).catch(() => {});
+  writer.close().catch(() => {});
   const reader = stream.readable.getReader();
   const chunks = [];
   for (let next = await reader.read(); !next.done; next = await reader.read()) chunks.push(next.value);

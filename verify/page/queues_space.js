@@ -52,9 +52,7 @@ class SpacePane {
     const { canvas, page, selection } = this;
     const height = Math.max(240, Math.min(canvas.clientWidth * 0.8, 380));
     const context = fitted(canvas, height);
-    const node = selection.shown;
-    this.key.textContent = '';
-    if (node === null) { this.note.textContent = ''; return; }
+    const node = selection.shown ?? selection.node ?? 0;
     const { tree } = page;
     const ink = inks();
     const box = tree.box(node);
@@ -102,6 +100,7 @@ class SpacePane {
   drawRays(context, ink, node, box, line, project, visit) {
     const { selection } = this;
     const { run, launch } = selection;
+    if (selection.shown === null) return '; this launch reads no queues';
     if (!selection.embedded || !run.index(launch)) return '; its rays are not embedded';
     const length = run.length(launch, node);
     const stride = Math.max(1, Math.ceil(length / this.most));
