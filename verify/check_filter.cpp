@@ -90,7 +90,7 @@ void check_filter(CheckState& state, const StageView& stage) {
                                    : weighted(window, x, y, p.filter == Filter::bilateral);
         for (int c = 0; c < 3; ++c) {
             const double wanted = expected[static_cast<std::size_t>(c)];
-            const double found = double{filtered[i][c]};
+            const auto found = double{filtered[i][c]};
             // A value that is not a number is not near anything.
             if (std::abs(found - wanted) <= kRounding * std::abs(wanted)) continue;
             Failure failure =

@@ -28,7 +28,8 @@ Outcome failed(const std::string& invariant, const std::string& stage, const std
                                       {"ray", 77},
                                       {"sentence", sentence},
                                       {"written_by", written_by}},
-                                     {{"invariant", "image-tile"}}}}};
+                                     {{"invariant", "image-tile"}}}},
+                                   {"scenes", {{{"configurations", {{{"stages", 3}}}}}}}};
     Outcome outcome;
     outcome.exit_code = kExitFailed;
     outcome.output = report.dump();
@@ -99,6 +100,7 @@ TEST_CASE("mutants: an error is told by its kind, and placed where it says", "[v
                      "writes it at ../../gpu/intersect.h:120"));
     CHECK(result.why_not.empty());
     CHECK(result.found.place == "gpu/intersect.h:120, node 4, ray 77");
+    CHECK(result.found.launch == 3);  // so many were judged before it
     CHECK(kind_of_error("its threads part: ...") == "divergence");
     CHECK(kind_of_error("the disk is full") == "error");
 }

@@ -64,8 +64,9 @@ MutantCatch leading_failure(const nlohmann::json& report) {
             first_match(found.says, R"((batch\d+/)?(bounce\d+/)(light\d+/)?(level\d+/)?[a-z_]+)");
         if (!named.empty()) found.stage = named;
         // The run ended there: as many stages have been judged as there were launches before it.
-        const auto& configurations = report.at("scenes").front().at("configurations");
-        found.launch = configurations.back().at("stages");
+        for (const auto& scene : report.at("scenes")) {
+            for (const auto& one : scene.at("configurations")) found.launch = one.at("stages");
+        }
     }
     return found;
 }

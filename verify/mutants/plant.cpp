@@ -76,6 +76,7 @@ void plant(const std::string& name, const std::string& backend) {
                                     [&](const PlantedFault& fault) { return fault.name == name; });
     if (found == faults.end()) {
         std::vector<std::string> names;
+        names.reserve(faults.size());
         for (const PlantedFault& fault : faults) names.push_back(fault.name);
         throw Error::bad_input(
             "--plant", fmt::format("expected one of {}, found '{}'", fmt::join(names, ", "), name));

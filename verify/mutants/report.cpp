@@ -29,7 +29,7 @@ std::size_t passed_conditions(const MutantReport& report) {
 std::string row(const MutantResult& result) {
     const MutantCatch& found = result.found;
     std::string text =
-        fmt::format("{:<8} {:<28} {:<22} {:<18} {:>6} {:<34} {:>5.1f}  {}\n",
+        fmt::format("{:<8} {:<30} {:<32} {:<18} {:>6} {:<34} {:>5.1f}  {}\n",
                     result.caught() ? "caught" : "ESCAPED", result.fault.name, result.fault.file,
                     found.check.empty() ? "-" : found.check, launch_text(found.launch),
                     found.stage.empty() ? "-" : found.stage, result.seconds, found.place);
@@ -55,7 +55,7 @@ bool MutantReport::passed() const {
 std::string to_text(const MutantReport& report) {
     std::string text;
     if (!report.faults.empty()) {
-        text += fmt::format("{:<8} {:<28} {:<22} {:<18} {:>6} {:<34} {:>5}  {}\n", "verdict",
+        text += fmt::format("{:<8} {:<30} {:<32} {:<18} {:>6} {:<34} {:>5}  {}\n", "verdict",
                             "planted", "in", "found by", "launch", "stage", "s", "place");
     }
     for (const MutantResult& result : report.faults) text += row(result);
