@@ -5,6 +5,10 @@
 #include <bit>
 #include <cstdint>
 
+#if defined(SCOTTY_CHECKED)
+#include "emulation/simt/check/deliberate.h"
+#endif
+
 namespace scotty::emulation {
 
 /// Returns the value before.
@@ -39,14 +43,15 @@ inline void atomic_min_distance(float& target, float value) {
 }
 
 /// A read while others may write: the early-out's, never wrong, only late.
-inline float load_relaxed(const float& source) {
-    return std::atomic_ref<float>(const_cast<float&>(source)).load(std::memory_order_relaxed);
+template <class T>
+T load_watched(const T& source) {
+#if defined(SCOTTY_CHECKED)
+    const simt::Deliberate here;
+#endif
+    return std::atomic_ref<T>(const_cast<T&>(source)).load(std::memory_order_relaxed);
 }
-
-inline std::uint64_t load_relaxed(const std::uint64_t& source) {
-    return std::atomic_ref<std::uint64_t>(const_cast<std::uint64_t&>(source))
-        .load(std::memory_order_relaxed);
-}
+inline float load_relaxed(const float& source) { return load_watched(source); }
+inline std::uint64_t load_relaxed(const std::uint64_t& source) { return load_watched(source); }
 inline void store_relaxed(std::uint64_t& target, std::uint64_t value) {
     std::atomic_ref<std::uint64_t>(target).store(value, std::memory_order_relaxed);
 }

@@ -67,11 +67,7 @@ class Block {
     template <class Body>
     void phase(std::uint32_t active, Body&& body) const {
         Watch::begin_phase();
-        for (std::uint32_t i = 0; i < active; ++i) {
-            const std::uint32_t thread = Watch::turn(i, active);
-            Watch::begin_thread(thread);
-            body(thread);
-        }
+        Watch::each_thread(active, body);
         Watch::end_phase();
     }
     template <class Body>
@@ -122,7 +118,7 @@ class Device {
         watch_.begin_launch(threads, schedule, ++launches_);
         const auto run = [&](std::uint32_t index) {
             const Watch::InBlock watched(watch_, index, threads);
-            kernel(Block(index, threads));
+            Watch::run_block(kernel, Block(index, threads));
         };
         if (schedule.kind != ScheduleKind::free) {
             for (const std::uint32_t index : block_order(schedule, launches_, blocks)) run(index);

@@ -43,8 +43,15 @@ class Watch {
     static void end_phase() {}
     static void begin_thread(std::uint32_t /*thread*/) {}
     static void end_turn() {}
-    /// The thread whose turn it is: in ascending order.
-    static std::uint32_t turn(std::uint32_t i, std::uint32_t /*active*/) { return i; }
+    /// The threads of a phase.
+    template <class Body>
+    static void each_thread(std::uint32_t active, Body& body) {
+        for (std::uint32_t thread = 0; thread < active; ++thread) body(thread);
+    }
+    template <class Kernel, class Block>
+    static void run_block(Kernel& kernel, const Block& block) {
+        kernel(block);
+    }
     static void own_register(std::uint32_t /*thread*/) {}
 };
 

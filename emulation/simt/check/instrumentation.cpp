@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "emulation/simt/check/deliberate.h"
 #include "emulation/simt/check/memory_checker.h"
 #include "emulation/simt/context.h"
 #include "emulation/simt/interleave/interleaver.h"
@@ -15,6 +16,7 @@ namespace {
 
 using scotty::emulation::simt::Access;
 using scotty::emulation::simt::context;
+using scotty::emulation::simt::deliberate_read;
 
 inline void note(Access access, const void* address, std::size_t bytes, const void* place) {
     const auto& now = context;
@@ -42,7 +44,8 @@ inline void note(Access access, const void* address, std::size_t bytes, const vo
     }                                                                                            \
     void __tsan_volatile_write##bytes(void* a) { note(Access::write, a, bytes, SCOTTY_PLACE); }
 
-// All of an operation's orders become the strongest: the kernels' own are relaxed.
+// All of an operation's orders become the strongest: the kernels' own are relaxed. A load is the
+// first part of an atomic, unless it is load_relaxed().
 #define SCOTTY_FETCH(bits, name)                                                            \
     std::uint##bits##_t __tsan_atomic##bits##_fetch_##name(volatile std::uint##bits##_t* a, \
                                                            std::uint##bits##_t v, int) {    \
@@ -59,7 +62,8 @@ inline void note(Access access, const void* address, std::size_t bytes, const vo
     }
 #define SCOTTY_ATOMIC(bits)                                                                      \
     std::uint##bits##_t __tsan_atomic##bits##_load(const volatile std::uint##bits##_t* a, int) { \
-        note(Access::relaxed_read, const_cast<std::uint##bits##_t*>(a), bits / 8, SCOTTY_PLACE); \
+        note(deliberate_read ? Access::relaxed_read : Access::atomic,                            \
+             const_cast<std::uint##bits##_t*>(a), bits / 8, SCOTTY_PLACE);                       \
         return __atomic_load_n(a, __ATOMIC_SEQ_CST);                                             \
     }                                                                                            \
     void __tsan_atomic##bits##_store(volatile std::uint##bits##_t* a, std::uint##bits##_t v,     \

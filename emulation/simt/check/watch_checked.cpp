@@ -61,6 +61,10 @@ void Watch::end_launch() {
     if (!findings.empty()) simt::throw_findings(kernel_, threads_, findings, "");
 }
 
+bool Watch::is_ascending() {
+    return turns.schedule.kind == ScheduleKind::free || turns.schedule.kind == ScheduleKind::linear;
+}
+
 std::uint32_t Watch::turn(std::uint32_t i, std::uint32_t active) {
     switch (turns.schedule.kind) {
         case ScheduleKind::reversed:

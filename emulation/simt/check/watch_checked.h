@@ -61,7 +61,21 @@ class Watch {
         simt::context.thread = 0;
     }
     /// The threads of a phase, in the order of the schedule.
-    static std::uint32_t turn(std::uint32_t i, std::uint32_t active);
+    template <class Body>
+    static void each_thread(std::uint32_t active, Body& body) {
+        const bool ascending = is_ascending();
+        for (std::uint32_t i = 0; i < active; ++i) {
+            const std::uint32_t thread = ascending ? i : turn(i, active);
+            begin_thread(thread);
+            body(thread);
+        }
+    }
+    /// Flattened: registers then are locals that no call sees, which need no watching and cost
+    /// none.
+    template <class Kernel, class Block>
+    [[gnu::flatten]] static void run_block(Kernel& kernel, const Block& block) {
+        kernel(block);
+    }
     static void own_register(std::uint32_t thread) {
         if (thread != simt::context.thread) foreign_register(thread);
     }
@@ -71,6 +85,8 @@ class Watch {
     static simt::MemoryChecker* latest();
 
  private:
+    static bool is_ascending();
+    static std::uint32_t turn(std::uint32_t i, std::uint32_t active);
     [[gnu::noinline]] static void foreign_register(std::uint32_t owner);
 
     std::unique_ptr<simt::MemoryChecker> checker_;
