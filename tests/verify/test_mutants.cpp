@@ -161,7 +161,7 @@ TEST_CASE("mutants: planting needs a fault's name and the back end that has it",
           "[verify][mutants]") {
     const Offered offered("verify coil");
     CHECK_THROWS_WITH(plant("nonsense", "emulator"),
-                      "--plant: expected one of some_fault, found 'nonsense'");
+                      "--plant: 'nonsense' is no fault; scotty mutants --list has their names");
     CHECK_THROWS_WITH(plant("some_fault", "simt"),
                       "--plant: some_fault is in emulation/intersect.h: it needs --backend "
                       "emulator");
