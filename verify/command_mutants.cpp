@@ -95,12 +95,12 @@ int run_mutants(const MutantsOptions& options) {
     }
     const auto start = std::chrono::steady_clock::now();
     const auto commands = commands_of(selection);
-    std::vector<Outcome> outcomes(commands.size());
+    std::vector<ProcessOutcome> outcomes(commands.size());
     Progress progress;
     std::size_t ended = 0;
     const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
     run_in_processes(commands, {options.threads != 0 ? options.threads : cores, options.limit},
-                     [&](std::size_t index, const Outcome& outcome) {
+                     [&](std::size_t index, const ProcessOutcome& outcome) {
                          outcomes[index] = outcome;
                          progress.show(fmt::format("{} of {} done", ++ended, commands.size()));
                      });

@@ -17,8 +17,8 @@ using scotty::verify::test::scotty_here;
 namespace {
 
 /// What `scotty verify --json -` says of one failure.
-Outcome failed(const std::string& invariant, const std::string& stage, const std::string& sentence,
-               const std::string& written_by = "") {
+ProcessOutcome failed(const std::string& invariant, const std::string& stage,
+                      const std::string& sentence, const std::string& written_by = "") {
     const nlohmann::json report = {{"failures",
                                     {{{"invariant", invariant},
                                       {"stage", stage},
@@ -30,7 +30,7 @@ Outcome failed(const std::string& invariant, const std::string& stage, const std
                                       {"written_by", written_by}},
                                      {{"invariant", "image-tile"}}}},
                                    {"scenes", {{{"configurations", {{{"stages", 3}}}}}}}};
-    Outcome outcome;
+    ProcessOutcome outcome;
     outcome.exit_code = kExitFailed;
     outcome.output = report.dump();
     return outcome;
@@ -78,7 +78,8 @@ TEST_CASE("mutants: a fault is caught by its check at its stage", "[verify][muta
 
 TEST_CASE("mutants: another check, stage or sentence, or nothing, is an escape",
           "[verify][mutants]") {
-    const Outcome found = failed("leaf-hits", "bounce0/level3/intersect", "there are too few");
+    const ProcessOutcome found =
+        failed("leaf-hits", "bounce0/level3/intersect", "there are too few");
     CHECK(judge(expecting({"merge", ".*", "", {}}), found).why_not ==
           "expected to be found by merge");
     CHECK(judge(expecting({"leaf-hits", "bounce0/level3", "", {}}), found).why_not ==
@@ -88,7 +89,8 @@ TEST_CASE("mutants: another check, stage or sentence, or nothing, is an escape",
     CHECK(judge(expecting({"leaf-hits", ".*", "", {"image-tile"}}), found).caught());
     CHECK(judge(expecting({"leaf-hits", ".*", "", {"image-global"}}), found).why_not ==
           "expected image-global to fail");
-    CHECK(judge(expecting({"leaf-hits", ".*", "", {}}), Outcome{}).why_not == "nothing was found");
+    CHECK(judge(expecting({"leaf-hits", ".*", "", {}}), ProcessOutcome{}).why_not ==
+          "nothing was found");
 }
 
 TEST_CASE("mutants: an error is told by its kind, and placed where it says", "[verify][mutants]") {
@@ -106,7 +108,7 @@ TEST_CASE("mutants: an error is told by its kind, and placed where it says", "[v
 }
 
 TEST_CASE("mutants: a process that ends early is judged by its last words", "[verify][mutants]") {
-    Outcome outcome;
+    ProcessOutcome outcome;
     outcome.exit_code = -1;
     outcome.signal = SIGSEGV;
     outcome.errors =
@@ -120,7 +122,8 @@ TEST_CASE("mutants: a process that ends early is judged by its last words", "[ve
 
 TEST_CASE("mutants: the score counts, and a hostile condition that fails fails the report",
           "[verify][mutants]") {
-    const Outcome found = failed("leaf-hits", "bounce0/level3/intersect", "there are too few");
+    const ProcessOutcome found =
+        failed("leaf-hits", "bounce0/level3/intersect", "there are too few");
     MutantReport report;
     report.faults = {judge(expecting({"leaf-hits", ".*", "", {}}), found),
                      judge(expecting({"merge", ".*", "", {}}), found)};
@@ -137,10 +140,11 @@ TEST_CASE("mutants: the score counts, and a hostile condition that fails fails t
 
 TEST_CASE("mutants: each command has a process of its own, with its exit code and both streams",
           "[verify][mutants]") {
-    std::vector<Outcome> outcomes(3);
-    run_in_processes({{"list"}, {"render", "no-such-scene", "-o", "x.png"}, {"--version"}},
-                     {.at_once = 2, .seconds = 60},
-                     [&](std::size_t index, const Outcome& outcome) { outcomes[index] = outcome; });
+    std::vector<ProcessOutcome> outcomes(3);
+    run_in_processes(
+        {{"list"}, {"render", "no-such-scene", "-o", "x.png"}, {"--version"}},
+        {.at_once = 2, .seconds = 60},
+        [&](std::size_t index, const ProcessOutcome& outcome) { outcomes[index] = outcome; });
     CHECK(outcomes[0].exit_code == kExitPassed);
     CHECK(outcomes[0].output.find("coil") != std::string::npos);
     CHECK(outcomes[1].exit_code == kExitUsage);
@@ -161,7 +165,7 @@ TEST_CASE("mutants: planting needs a fault's name and the back end that has it",
           "[verify][mutants]") {
     const Offered offered("verify coil");
     CHECK_THROWS_WITH(plant("nonsense", "emulator"),
-                      "--plant: expected one of some_fault, found 'nonsense'");
+                      "--plant: 'nonsense' is no fault; scotty mutants --list has their names");
     CHECK_THROWS_WITH(plant("some_fault", "simt"),
                       "--plant: some_fault is in emulation/intersect.h: it needs --backend "
                       "emulator");

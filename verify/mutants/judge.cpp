@@ -72,7 +72,7 @@ MutantCatch leading_failure(const nlohmann::json& report) {
 }
 
 /// Of a process that ended before it could report.
-MutantCatch last_words(const Outcome& outcome) {
+MutantCatch last_words(const ProcessOutcome& outcome) {
     MutantCatch found;
     found.says = shorten(last_line(outcome.errors));
     if (outcome.timed_out) {
@@ -90,7 +90,7 @@ MutantCatch last_words(const Outcome& outcome) {
     return found;
 }
 
-MutantCatch what_was_found(const Outcome& outcome) {
+MutantCatch what_was_found(const ProcessOutcome& outcome) {
     if (outcome.exit_code == kExitPassed) return {};
     const auto report = nlohmann::json::parse(outcome.output, nullptr, false);
     if (outcome.exit_code == kExitFailed && report.is_object()) return leading_failure(report);
@@ -115,7 +115,7 @@ std::string kind_of_error(const std::string& says) {
     return "error";
 }
 
-MutantResult judge(const PlantedFault& fault, const Outcome& outcome) {
+MutantResult judge(const PlantedFault& fault, const ProcessOutcome& outcome) {
     MutantResult result{fault, what_was_found(outcome), outcome.seconds, ""};
     const MutantCatch& found = result.found;
     const ExpectedCatch& expect = fault.expect;
@@ -136,7 +136,7 @@ MutantResult judge(const PlantedFault& fault, const Outcome& outcome) {
     return result;
 }
 
-HostileResult judge(const HostileCondition& condition, const Outcome& outcome) {
+HostileResult judge(const HostileCondition& condition, const ProcessOutcome& outcome) {
     HostileResult result{condition, outcome.seconds, ""};
     if (outcome.exit_code == kExitPassed) return result;
     const MutantCatch found = what_was_found(outcome);

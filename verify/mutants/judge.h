@@ -43,8 +43,8 @@ struct HostileResult {
 /// "error" where it is none of these.
 std::string kind_of_error(const std::string& says);
 
-MutantResult judge(const PlantedFault& fault, const Outcome& outcome);
-HostileResult judge(const HostileCondition& condition, const Outcome& outcome);
+MutantResult judge(const PlantedFault& fault, const ProcessOutcome& outcome);
+HostileResult judge(const HostileCondition& condition, const ProcessOutcome& outcome);
 
 struct MutantReport {
     std::vector<MutantResult> faults;

@@ -1,7 +1,6 @@
 #include "verify/mutants/plant.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -75,11 +74,9 @@ void plant(const std::string& name, const std::string& backend) {
     const auto found = std::find_if(faults.begin(), faults.end(),
                                     [&](const PlantedFault& fault) { return fault.name == name; });
     if (found == faults.end()) {
-        std::vector<std::string> names;
-        names.reserve(faults.size());
-        for (const PlantedFault& fault : faults) names.push_back(fault.name);
         throw Error::bad_input(
-            "--plant", fmt::format("expected one of {}, found '{}'", fmt::join(names, ", "), name));
+            "--plant",
+            fmt::format("'{}' is no fault; scotty mutants --list has their names", name));
     }
     if (found->backend() != backend) {
         throw Error::bad_input("--plant", fmt::format("{} is in {}: it needs --backend {}", name,

@@ -67,8 +67,8 @@ std::string text_of(FILE* file) {
     return text;
 }
 
-Outcome outcome_of(const Running& running, int status) {
-    Outcome outcome;
+ProcessOutcome outcome_of(const Running& running, int status) {
+    ProcessOutcome outcome;
     outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     outcome.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
     outcome.timed_out = outcome.signal == SIGALRM;
@@ -80,9 +80,9 @@ Outcome outcome_of(const Running& running, int status) {
 
 }  // namespace
 
-void run_in_processes(const std::vector<std::vector<std::string>>& commands,
-                      const ProcessLimits& limits,
-                      const std::function<void(std::size_t index, const Outcome& outcome)>& done) {
+void run_in_processes(
+    const std::vector<std::vector<std::string>>& commands, const ProcessLimits& limits,
+    const std::function<void(std::size_t index, const ProcessOutcome& outcome)>& done) {
     std::map<pid_t, Running> all;
     std::size_t next = 0;
     while (next < commands.size() || !all.empty()) {
@@ -101,7 +101,7 @@ void run_in_processes(const std::vector<std::vector<std::string>>& commands,
         if (ended < 0 && errno != EINTR) fail("waiting for a process");
         const auto found = all.find(ended);
         if (found == all.end()) continue;
-        const Outcome outcome = outcome_of(found->second, status);
+        const ProcessOutcome outcome = outcome_of(found->second, status);
         const std::size_t index = found->second.index;
         all.erase(found);
         done(index, outcome);

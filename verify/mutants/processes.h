@@ -8,7 +8,7 @@
 
 namespace scotty::verify {
 
-struct Outcome {
+struct ProcessOutcome {
     int exit_code = 0;  ///< or -1: it did not get that far
     int signal = 0;     ///< that ended it; 0: none
     bool timed_out = false;
@@ -26,8 +26,8 @@ struct ProcessLimits {
 /// would, in a fork of this process, which must not have started threads until then. `done` is
 /// called in the order in which they end. Throws missing_environment where a process cannot be
 /// started.
-void run_in_processes(const std::vector<std::vector<std::string>>& commands,
-                      const ProcessLimits& limits,
-                      const std::function<void(std::size_t index, const Outcome& outcome)>& done);
+void run_in_processes(
+    const std::vector<std::vector<std::string>>& commands, const ProcessLimits& limits,
+    const std::function<void(std::size_t index, const ProcessOutcome& outcome)>& done);
 
 }  // namespace scotty::verify
