@@ -2,8 +2,12 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
+
+#include "reference/records.h"
+#include "reference/stage_observer.h"
 
 namespace scotty::verify {
 
@@ -16,6 +20,12 @@ inline nlohmann::ordered_json json_number(double value) {
 /// Null where there is none.
 inline nlohmann::ordered_json json_number(const std::optional<float>& value) {
     return value ? json_number(static_cast<double>(*value)) : nlohmann::ordered_json(nullptr);
+}
+
+/// Of a node, ray, level or the like: null where it says that there is none.
+inline nlohmann::ordered_json json_id(std::uint32_t value) {
+    static_assert(reference::kNone == reference::kNotApplicable);
+    return value == reference::kNone ? nlohmann::ordered_json(nullptr) : value;
 }
 
 }  // namespace scotty::verify

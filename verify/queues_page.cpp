@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "verify/expected.h"
+#include "verify/json_number.h"
 #include "verify/page.h"
 #include "verify/progress.h"
 #include "verify/queues_diff.h"
@@ -27,8 +28,6 @@ namespace {
 constexpr std::size_t kDivergences = 500;
 /// Triangles that the view of the scene can bear.
 constexpr std::size_t kTriangles = 20000;
-
-json id(std::uint32_t value) { return value == kNone ? json() : json(value); }
 
 std::string quoted(const std::string& text) {
     std::string out = "'";
@@ -112,9 +111,9 @@ class PageMaker {
                             {"side", side},
                             {"what", what},
                             {"text", text},
-                            {"node", id(node)},
-                            {"ray", id(ray)},
-                            {"block", id(block)}});
+                            {"node", json_id(node)},
+                            {"ray", json_id(ray)},
+                            {"block", json_id(block)}});
             told.push_back(node);
         };
         const auto* found = result(stage);
@@ -219,10 +218,10 @@ class PageMaker {
 
     json about_launch(std::size_t index) {
         const StageRecord& stage = stages_[index];
-        json out{{"launch", stage.launch},        {"name", stage.name},
-                 {"kind", to_string(stage.kind)}, {"batch", stage.batch},
-                 {"bounce", id(stage.bounce)},    {"light", id(stage.light)},
-                 {"level", id(stage.level)},      {"blocks", stage.blocks},
+        json out{{"launch", stage.launch},          {"name", stage.name},
+                 {"kind", to_string(stage.kind)},   {"batch", stage.batch},
+                 {"bounce", json_id(stage.bounce)}, {"light", json_id(stage.light)},
+                 {"level", json_id(stage.level)},   {"blocks", stage.blocks},
                  {"threads", stage.threads}};
         const StageRecord* b = partner(stage);
         const StageResult* diff = result(stage);
@@ -263,9 +262,9 @@ class PageMaker {
         for (const Failure& failure : found->second) {
             if (out.size() == 100) break;  // the page says how many there are
             out.push_back({{"name", failure.invariant},
-                           {"node", id(failure.node)},
-                           {"block", id(failure.block)},
-                           {"ray", id(failure.ray)},
+                           {"node", json_id(failure.node)},
+                           {"block", json_id(failure.block)},
+                           {"ray", json_id(failure.ray)},
                            {"text", told_by(failure)}});
         }
         return out;

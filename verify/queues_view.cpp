@@ -10,16 +10,11 @@
 namespace scotty::verify {
 
 using nlohmann::ordered_json;
-using reference::kNone;
 using reference::kNotApplicable;
 
 namespace {
 
 using Cells = std::vector<ordered_json>;
-
-ordered_json id(std::uint32_t value) {
-    return value == kNone ? ordered_json() : ordered_json(value);
-}
 
 std::string cell_text(const ordered_json& cell, const char* nothing) {
     if (cell.is_null()) return nothing;
@@ -48,7 +43,7 @@ const std::vector<std::string>& entry_columns() {
 }
 
 Cells entry_cells(const Entry& entry) {
-    Cells row{entry.position, entry.block, entry.thread, id(entry.ray)};
+    Cells row{entry.position, entry.block, entry.thread, json_id(entry.ray)};
     if (entry.from) {
         add(row, {entry.from->pixel_x, entry.from->pixel_y, entry.from->sample});
     } else {
@@ -136,10 +131,10 @@ Table launch_table(const std::string& title, const std::vector<LaunchRow>& rows)
         rows.begin(), rows.end(), [](const LaunchRow& row) { return row.verdict || row.missing; });
     if (verdicts) table.columns.emplace_back("verdict");
     for (const LaunchRow& launch : rows) {
-        Cells row{launch.stage->launch, launch.stage->name, id(launch.stage->level)};
+        Cells row{launch.stage->launch, launch.stage->name, json_id(launch.stage->level)};
         if (launch.totals) {
             const LevelTotals& t = *launch.totals;
-            add(row, {t.nodes, t.with_work, t.entries, t.longest, id(t.longest_node), t.blocks,
+            add(row, {t.nodes, t.with_work, t.entries, t.longest, json_id(t.longest_node), t.blocks,
                       t.pushed});
         } else {
             add(row, {nullptr, nullptr, nullptr, nullptr, nullptr, launch.stage->blocks, nullptr});
@@ -160,7 +155,7 @@ Table node_table(const std::string& title, const std::vector<NodeRow>& rows) {
                  "children"},
                 {}};
     for (const NodeRow& node : rows) {
-        table.rows.push_back({node.node, id(node.parent), node.leaf ? "leaf" : "inner",
+        table.rows.push_back({node.node, json_id(node.parent), node.leaf ? "leaf" : "inner",
                               node.claimed, node.offset, node.first_block, node.blocks,
                               node.leaf ? ordered_json(node.triangles) : ordered_json(),
                               range_text(node.children, node.pushed)});

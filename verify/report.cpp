@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "reference/error.h"
+#include "verify/json_number.h"
 
 namespace scotty::verify {
 
@@ -219,22 +220,18 @@ std::string table(const Report& report) {
 
 namespace {
 
-nlohmann::json number_or_null(std::uint32_t value) {
-    return value == reference::kNotApplicable ? nlohmann::json(nullptr) : nlohmann::json(value);
-}
-
 nlohmann::json to_json(const PlacedFailure& placed) {
     const Failure& f = placed.failure;
     return {{"scene", placed.scene},
             {"configuration", placed.configuration},
             {"invariant", f.invariant},
             {"stage", f.stage},
-            {"launch", number_or_null(f.launch)},
-            {"level", number_or_null(f.level)},
-            {"node", number_or_null(f.node)},
-            {"block", number_or_null(f.block)},
-            {"thread", number_or_null(f.thread)},
-            {"ray", number_or_null(f.ray)},
+            {"launch", json_id(f.launch)},
+            {"level", json_id(f.level)},
+            {"node", json_id(f.node)},
+            {"block", json_id(f.block)},
+            {"thread", json_id(f.thread)},
+            {"ray", json_id(f.ray)},
             {"field", f.field},
             {"expected", f.expected},
             {"found", f.found},
