@@ -381,6 +381,7 @@ std::vector<RelaxedMeetings> relaxed_meetings() {
     RelaxedTally& tally = relaxed_tally();
     const std::scoped_lock lock(tally.mutex);
     std::vector<std::uint32_t> places;
+    places.reserve(tally.met.size());
     for (const auto& [place, met] : tally.met) places.push_back(place);
     const std::vector<std::string> lines = source_lines(places);
     // A function inlined in several kernels has several places.

@@ -1,6 +1,7 @@
 #include "emulation/simt/interleave/fiber.h"
 
 #include <cstdint>
+#include <cstring>
 #include <utility>
 
 namespace scotty::emulation::simt {
@@ -23,7 +24,9 @@ void Fiber::start(std::function<void()> body) {
 }
 
 void Fiber::enter(unsigned low, unsigned high) {
-    auto* self = reinterpret_cast<Fiber*>(std::uintptr_t{high} << 32 | low);
+    const std::uintptr_t address = std::uintptr_t{high} << 32 | low;
+    Fiber* self = nullptr;
+    std::memcpy(&self, &address, sizeof self);
     try {
         self->body_();
     } catch (...) {

@@ -116,10 +116,6 @@ TEST_CASE("interleaving: the kernels of gpu/ give one outcome in every order of 
           "bounce0/light0/direct*", "bounce0/light0/resolve*", "reconstruct_image", "filter*"}) {
         explore_all(spheres_input(shading), {{}, 200}, tally, stages);
     }
-    for (const auto& [kind, most] : tally) {
-        WARN(kind << ": " << most.stage << ", " << most.schedules << " schedules, blocks meet in "
-                  << most.words << " words");
-    }
     for (const char* kind : {"primary_rays", "intersect_root", "intersect", "leaves",
                              "publish_minimum", "merge_intersections", "direct_light_rays",
                              "resolve_light", "scene_rays", "reconstruct_image", "filter"}) {
