@@ -20,4 +20,10 @@ std::string ask(const std::string& command) {
     return last;
 }
 
+std::string shell_word(const std::string& text) {
+    std::string out = "'";
+    for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return out + "'";
+}
+
 }  // namespace scotty::verify

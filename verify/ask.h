@@ -8,4 +8,7 @@ namespace scotty::verify {
 /// Last line that is not empty of what a shell command prints; empty where it fails.
 std::string ask(const std::string& command);
 
+/// Any text as one word of a shell's command line.
+std::string shell_word(const std::string& text);
+
 }  // namespace scotty::verify

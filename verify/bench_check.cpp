@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <cstring>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -15,6 +14,7 @@
 #include "emulation/pipeline.h"
 #include "reference/error.h"
 #include "reference/wide_bvh.h"
+#include "verify/same_bits.h"
 #include "verify/simt/simt_pipeline.h"
 
 namespace scotty::verify {
@@ -73,9 +73,7 @@ nlohmann::json render_seconds(const reference::Scene& scene, const BenchSettings
     for (int round = -settings.warm_ups; round < settings.repeats; ++round) {
         const double first = timed(emulator, a);
         const double second = timed(*simt, b);
-        if (a.pixels.size() != b.pixels.size() ||
-            std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof a.pixels[0]) !=
-                0) {
+        if (!same_pixels(a, b)) {
             throw reference::Error::internal(
                 "bench check: the pictures of emulator and simt differ; "
                 "scotty verify --backend simt says where");

@@ -6,13 +6,13 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstring>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "reference/error.h"
 #include "reference/wide_bvh.h"
+#include "verify/same_bits.h"
 #include "verify/simt/simt_pipeline.h"
 
 namespace scotty::verify {
@@ -44,10 +44,7 @@ const Timed& middle(std::vector<Timed>& renders) {
 }
 
 void expect_same(const Image& a, const Image& b) {
-    if (a.pixels.size() == b.pixels.size() &&
-        std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof a.pixels[0]) == 0) {
-        return;
-    }
+    if (same_pixels(a, b)) return;
     throw reference::Error::internal(
         "bench simt: the two pictures differ, so that their times say nothing; "
         "scotty verify --backend simt says where");

@@ -7,6 +7,7 @@
 
 #include "reference/intersect_triangle.h"
 #include "verify/check_state.h"
+#include "verify/same_bits.h"
 
 namespace scotty::verify {
 
@@ -34,8 +35,6 @@ Hit hit_of(const Scene& scene, const Ray& ray, std::uint32_t primitive) {
     }
     return hit;
 }
-
-bool same_bits(const Hit& a, const Hit& b) { return __builtin_memcmp(&a, &b, sizeof a) == 0; }
 
 /// Required = rays whose final hit is not nearer than their entry; for any-hit, rays without a hit.
 void check_kept_out(CheckState& state, const StageView& stage, std::span<const Hit> merged) {

@@ -8,21 +8,13 @@
 #include "reference/path.h"
 #include "reference/rng.h"
 #include "verify/check_state.h"
+#include "verify/same_bits.h"
 
 namespace scotty::verify {
 
 using namespace reference;  // in this file only: records and vectors
 
 namespace {
-
-PathParameters path_parameters(const PipelineParameters& p) {
-    return {p.seed, p.image_width, p.image_height, p.light_samples, p.bounces};
-}
-
-template <class T>
-bool same_bits(const T& a, const T& b) {
-    return __builtin_memcmp(&a, &b, sizeof a) == 0;
-}
 
 /// One failure at the first ray for which a value is not what it should be.
 class Expectation {

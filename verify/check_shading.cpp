@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "verify/check_state.h"
+#include "verify/same_bits.h"
 
 namespace scotty::verify {
 
@@ -46,8 +47,6 @@ void fail_ray(CheckState& state, const StageView& stage, const char* tag, std::s
     failure.found = std::move(found);
     state.add(std::move(failure));
 }
-
-bool same_bits(const Vec3& a, const Vec3& b) { return __builtin_memcmp(&a, &b, sizeof a) == 0; }
 
 }  // namespace
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "verify/invariants.h"
+#include "verify/same_bits.h"
 
 namespace scotty::verify {
 
@@ -107,7 +108,7 @@ bool expect_same(CheckState& state, const reference::StageView& stage, const cha
                  std::string_view field, std::span<const T> expected, std::span<const T> seen,
                  bool by_ray, const char* sentence, const Describe& describe) {
     for (std::size_t i = 0; i < expected.size() && i < seen.size(); ++i) {
-        if (__builtin_memcmp(&expected[i], &seen[i], sizeof(T)) == 0) continue;
+        if (same_bits(expected[i], seen[i])) continue;
         Failure failure = failure_at(stage, tag, sentence);
         failure.field = std::string(field) + "[" + std::to_string(i) + "]";
         if (by_ray) failure.ray = static_cast<std::uint32_t>(i);

@@ -70,15 +70,9 @@ int run_check(const GoldenOptions& options) {
     return findings.empty() ? kExitPassed : kExitFailed;
 }
 
-std::string quoted(const std::string& text) {
-    std::string out = "'";
-    for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return out + "'";
-}
-
 /// Of the source tree that the golden folder is in; "-dirty" where it has changes.
 std::string commit_of(const fs::path& golden) {
-    const std::string commit = ask("git -C " + quoted(golden.string()) +
+    const std::string commit = ask("git -C " + shell_word(golden.string()) +
                                    " describe --always --dirty --abbrev=40 --exclude '*'");
     return commit.empty() ? "unknown" : commit;
 }

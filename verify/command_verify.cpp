@@ -15,6 +15,7 @@
 #include "reference/write_file.h"
 #include "scenes/scenes.h"
 #include "verify/backend.h"
+#include "verify/capture_format.h"
 #include "verify/command.h"
 #include "verify/npy.h"
 #include "verify/options.h"
@@ -65,7 +66,7 @@ nlohmann::ordered_json sweep_of(const VerifyOptions& options,
     for (const Configuration& configuration : all_configurations(settings)) {
         sweep["configurations"].push_back(configuration.options());
     }
-    sweep["parameters"] = to_json(settings.parameters);
+    sweep["parameters"] = verify::to_json(settings.parameters);
     for (const reference::Scene& scene : scenes) {
         sweep["scenes"].push_back({scene.source, hex_text(fingerprint(scene))});
     }

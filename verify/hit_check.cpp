@@ -5,10 +5,10 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cstring>
 #include <utility>
 
 #include "reference/assert.h"
+#include "verify/same_bits.h"
 
 namespace scotty::verify {
 
@@ -28,8 +28,6 @@ std::uint64_t mix(std::uint64_t x) {
     x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
     return x ^ (x >> 31);
 }
-
-bool same_hit(const Hit& a, const Hit& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
 Failure hit_failure(const char* tag, const TraversalRecord& traversal, std::size_t path,
                     std::uint32_t spp, std::string sentence) {
@@ -65,7 +63,7 @@ class Check {
         result_.brute_force_rays += rays.size();
         for (std::size_t k = 0; k < rays.size(); ++k) {
             const Hit& ours = traversal.hits[paths[k]];
-            if (same_hit(ours, truth[k])) continue;
+            if (same_bits(ours, truth[k])) continue;
             Failure failure = hit_failure("brute-force", traversal, paths[k], spp_,
                                           "not the hit that testing every triangle gives");
             failure.expected = exact(truth[k]);
@@ -189,7 +187,7 @@ ImageCheckResult check_image(const reference::Image& ours, const reference::Imag
     ImageCheckResult result;
     result.pixels = ours.pixels.size();
     for (std::size_t p = 0; p < ours.pixels.size(); ++p) {
-        if (std::memcmp(&ours.pixels[p], &embree.pixels[p], sizeof(reference::Vec3)) == 0) {
+        if (same_bits(ours.pixels[p], embree.pixels[p])) {
             ++result.identical;
             continue;
         }

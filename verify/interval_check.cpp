@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 #include <utility>
 
 #include "reference/error.h"
 #include "reference/tracers.h"
+#include "verify/same_bits.h"
 
 namespace scotty::verify {
 
@@ -48,7 +48,7 @@ void compare(const reference::Scene& scene, const std::vector<Ray>& rays, const 
     }
     reference::brute_force_closest(scene, rays, truth);
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        if (std::memcmp(&hits[i], &truth[i], sizeof(Hit)) == 0) continue;
+        if (same_bits(hits[i], truth[i])) continue;
         failure.ray = static_cast<std::uint32_t>(i);
         failure.sentence = fmt::format("{}; the ray: {}", sentence, exact(rays[i]));
         failure.expected = exact(truth[i]);

@@ -25,7 +25,8 @@ inline nlohmann::ordered_json json_number(const std::optional<float>& value) {
 /// Of a node, ray, level or the like: null where it says that there is none.
 inline nlohmann::ordered_json json_id(std::uint32_t value) {
     static_assert(reference::kNone == reference::kNotApplicable);
-    return value == reference::kNone ? nlohmann::ordered_json(nullptr) : value;
+    return value == reference::kNone ? nlohmann::ordered_json(nullptr)
+                                     : nlohmann::ordered_json(value);
 }
 
 }  // namespace scotty::verify

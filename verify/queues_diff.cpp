@@ -31,7 +31,7 @@ const char* to_string(Change change) {
 namespace {
 
 template <class T>
-bool same_bits(const std::optional<T>& a, const std::optional<T>& b) {
+bool same_value(const std::optional<T>& a, const std::optional<T>& b) {
     if (a.has_value() != b.has_value()) return false;
     return !a || std::memcmp(&*a, &*b, sizeof(T)) == 0;
 }
@@ -126,7 +126,7 @@ void compare_hits(const Visit& a, const Visit& b, std::vector<PartPair>& parts) 
 /// What the visits came to; where in a queue they were is free.
 std::vector<PartPair> compare(const Visit& a, const Visit& b) {
     std::vector<PartPair> parts;
-    if (!same_bits(a.minimum, b.minimum)) {
+    if (!same_value(a.minimum, b.minimum)) {
         const auto words = [](const std::optional<float>& minimum) {
             return minimum ? exact(*minimum) : std::string();
         };
@@ -156,8 +156,8 @@ std::vector<EntryPair> align(const std::vector<Entry>& a, const std::vector<Entr
     auto pairs = paired<EntryPair>(a, b, [](const Entry& entry) { return entry.ray; });
     for (EntryPair& pair : pairs) {
         if (!pair.a || !pair.b) continue;
-        if (!same_bits(pair.a->record, pair.b->record)) pair.what = "ray";
-        if (!same_bits(pair.a->minimum, pair.b->minimum)) {
+        if (!same_value(pair.a->record, pair.b->record)) pair.what = "ray";
+        if (!same_value(pair.a->minimum, pair.b->minimum)) {
             pair.what += pair.what.empty() ? "minimum" : ", minimum";
         }
         if (!pair.what.empty()) {

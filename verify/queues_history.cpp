@@ -9,6 +9,7 @@
 
 #include "reference/error.h"
 #include "verify/expected.h"
+#include "verify/same_bits.h"
 
 namespace scotty::verify {
 
@@ -56,11 +57,6 @@ template <class T>
 std::optional<T> at(std::span<const T> values, std::size_t index) {
     if (index >= values.size()) return std::nullopt;
     return values[index];
-}
-
-bool same_bits(const HitCandidate& a, const HitCandidate& b) {
-    return a.primitive == b.primitive &&
-           std::bit_cast<std::uint32_t>(a.t) == std::bit_cast<std::uint32_t>(b.t);
 }
 
 class Historian {

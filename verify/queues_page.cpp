@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "verify/ask.h"
 #include "verify/expected.h"
 #include "verify/json_number.h"
 #include "verify/page.h"
@@ -28,12 +29,6 @@ namespace {
 constexpr std::size_t kDivergences = 500;
 /// Triangles that the view of the scene can bear.
 constexpr std::size_t kTriangles = 20000;
-
-std::string quoted(const std::string& text) {
-    std::string out = "'";
-    for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return out + "'";
-}
 
 class PageMaker {
  public:
@@ -61,8 +56,8 @@ class PageMaker {
  private:
     std::string command() const {
         std::string text =
-            fmt::format("scotty queues {}", quoted(a_.capture().directory().string()));
-        if (b_ != nullptr) text += " --diff " + quoted(b_->capture().directory().string());
+            fmt::format("scotty queues {}", shell_word(a_.capture().directory().string()));
+        if (b_ != nullptr) text += " --diff " + shell_word(b_->capture().directory().string());
         return text;
     }
 
@@ -169,7 +164,7 @@ class PageMaker {
         json out{{"scene", header.scene_name},
                  {"a", one(a_, checked_a_)},
                  {"b", b_ == nullptr ? json() : one(*b_, checked_b_)},
-                 {"parameters", to_json(header.parameters)},
+                 {"parameters", verify::to_json(header.parameters)},
                  {"batches", a_.batches()},
                  {"more_divergences", more_divergences_}};
         for (std::uint32_t batch = 0; batch < a_.batches(); ++batch) {

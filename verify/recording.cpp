@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 
 #include "reference/assert.h"
+#include "verify/same_bits.h"
 
 namespace scotty::verify {
 
@@ -96,11 +96,6 @@ void Observers::on_retry(std::string_view stage, std::string_view reason) {
 }
 
 namespace {
-
-template <class T>
-bool same_bits(const T& a, const T& b) {
-    return std::memcmp(&a, &b, sizeof(T)) == 0;
-}
 
 Failure difference(const char* what, std::string stage, std::size_t path, std::uint32_t spp,
                    std::string field, std::string expected, std::string found) {

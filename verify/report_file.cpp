@@ -42,8 +42,8 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RelaxedRead, line, met)
 
 namespace {
 
-constexpr const char* kFormat = "cuda-scotty-report-part";
-constexpr int kVersion = 1;
+constexpr const char* kPartFormat = "cuda-scotty-report-part";
+constexpr int kPartVersion = 1;
 /// JSON has no word for numbers that are not finite; these stand in, and are nobody's text.
 constexpr const char* kNaN = "\x01NaN";
 constexpr const char* kInfinity = "\x01Infinity";
@@ -73,8 +73,8 @@ void read_named_numbers(json& value) {
 
 json part_json(const ReportPart& part) {
     const Report& report = part.report;
-    json out = {{"format", kFormat},
-                {"version", kVersion},
+    json out = {{"format", kPartFormat},
+                {"version", kPartVersion},
                 {"shard", {part.shard.index + 1, part.shard.count}},
                 {"units", part.units},
                 {"sweep", part.sweep},
@@ -94,11 +94,11 @@ json part_json(const ReportPart& part) {
 }
 
 bool is_part(const json& object) {
-    return object.is_object() && object.contains("format") && object["format"] == kFormat;
+    return object.is_object() && object.contains("format") && object["format"] == kPartFormat;
 }
 
 ReportPart read_part(const fs::path& path, json object) {
-    expect_format(path, object, kFormat, kVersion);
+    expect_format(path, object, kPartFormat, kPartVersion);
     read_named_numbers(object);
     try {
         ReportPart part;

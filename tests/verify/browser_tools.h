@@ -13,13 +13,12 @@
 
 namespace scotty::verify::test {
 
-inline std::string quoted(const std::filesystem::path& path) { return "'" + path.string() + "'"; }
-
 inline bool browser_is_here() { return std::system("command -v chromium >/dev/null 2>&1") == 0; }
 
 /// What each page, by its name, found out about itself. One browser for all, because starting it
 /// takes longer than all the rest: each page is in a frame of its own.
-inline std::map<std::string, std::string> self_tests(const std::map<std::string, std::string>& pages) {
+inline std::map<std::string, std::string> self_tests(
+    const std::map<std::string, std::string>& pages) {
     const TemporaryFolder folder;
     std::string frames = "<!doctype html><body>";
     for (const auto& [name, page] : pages) {
@@ -37,8 +36,9 @@ inline std::map<std::string, std::string> self_tests(const std::map<std::string,
     const std::string command =
         "chromium --headless --no-sandbox --disable-gpu --no-first-run "
         "--allow-file-access-from-files --user-data-dir=" +
-        quoted(folder / "profile") + " --dump-dom " + quoted("file://" / (folder / "all.html")) +
-        " >" + quoted(folder / "dom") + " 2>" + quoted(folder / "log");
+        verify::shell_word(folder / "profile") + " --dump-dom " +
+        verify::shell_word("file://" / (folder / "all.html")) + " >" +
+        verify::shell_word(folder / "dom") + " 2>" + verify::shell_word(folder / "log");
     const int status = std::system(command.c_str());
     const std::string dom = slurp(folder / "dom");
     INFO(command << "\n" << slurp(folder / "log"));
