@@ -10,6 +10,7 @@
 #include <string>
 
 #include "tests/verify/capture_tools.h"
+#include "verify/ask.h"
 
 namespace scotty::verify::test {
 

@@ -39,8 +39,8 @@ inline std::span<std::uint32_t> writable(const reference::StageView& stage, cons
 inline Capture make_faulty_capture(const std::filesystem::path& directory,
                                    const PipelineInput& input, const std::string& stage,
                                    const FaultyRun::Fault& fault) {
-    CaptureWriter writer(directory,
-                         header_of("faulty", input.scene, input.bvh, input.parameters), {});
+    CaptureWriter writer(directory, header_of("faulty", input.scene, input.bvh, input.parameters),
+                         {});
     write_pipeline_input(writer.input_folder(), input.scene, input.bvh, input.parameters);
     FaultyRun run(stage, fault, writer);
     emulation::Pipeline(input.scene, input.bvh, input.parameters, {}, &run).render();

@@ -306,9 +306,9 @@ TEST_CASE("queues page: pages to look at", "[.][queues-page-files]") {
     for (const char* scene : {"spheres", "coil"}) {
         const Runs runs(input_of(64, scene));
         const std::string file = std::string(folder) + "/queues-" + scene;
-        reference::write_file(file + ".html", queues_page(runs.of_a, nullptr, {}));
-        reference::write_file(file + "-diff.html", queues_page(runs.of_a, &runs.of_b, {}));
-        reference::write_file(file + "-faulty.html", queues_page(runs.of_b, nullptr, {}));
+        scotty::reference::write_file(file + ".html", queues_page(runs.of_a, nullptr, {}));
+        scotty::reference::write_file(file + "-diff.html", queues_page(runs.of_a, &runs.of_b, {}));
+        scotty::reference::write_file(file + "-faulty.html", queues_page(runs.of_b, nullptr, {}));
     }
 }
 

@@ -75,8 +75,8 @@ TEST_CASE("page: in a browser it passes its own test, which sees every planted f
 TEST_CASE("page: pages to look at", "[.][page-files]") {
     const char* folder = std::getenv("SCOTTY_PAGES");
     REQUIRE(folder != nullptr);
-    reference::write_file(std::string(folder) + "/passing.html", to_html(report()));
-    reference::write_file(std::string(folder) + "/failing.html", to_html(failing_report()));
+    scotty::reference::write_file(std::string(folder) + "/passing.html", to_html(report()));
+    scotty::reference::write_file(std::string(folder) + "/failing.html", to_html(failing_report()));
 }
 
 }  // namespace

@@ -61,9 +61,9 @@ bool watches = true;
 constexpr bool watches = false;
 #endif
 
-/// Of the emulator, which is watched in this program too.
+/// Of the emulator, where the program watches that too.
 const emulation::simt::MemoryChecker* volume_checker() {
-#if defined(SCOTTY_CHECKED)
+#if defined(SCOTTY_VOLUME_CHECKED)
     return emulation::Watch::latest();
 #else
     return nullptr;
