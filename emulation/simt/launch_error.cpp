@@ -6,10 +6,10 @@ namespace scotty::emulation::simt {
 
 namespace {
 
-/// Relative to the root of the sources, as far as this file's own name tells where that is.
+/// Relative to the root of the sources, as far as the name of site.h tells where that is.
 std::string_view from_root(std::string_view file) {
-    constexpr std::string_view kHere = __FILE__;
-    constexpr std::string_view kFromRoot = "emulation/simt/launch_error.cpp";
+    constexpr std::string_view kHere = kSiteHeader;
+    constexpr std::string_view kFromRoot = "emulation/simt/site.h";
     constexpr std::string_view kRoot = kHere.substr(0, kHere.size() - kFromRoot.size());
     return file.substr(0, kRoot.size()) == kRoot ? file.substr(kRoot.size()) : file;
 }

@@ -8,6 +8,9 @@
 
 namespace scotty::emulation::simt {
 
+/// Where the compiler finds this file: what its names of files begin with.
+inline constexpr const char* kSiteHeader = __FILE__;
+
 enum class SiteKind : std::uint8_t { barrier, collective, exit };
 
 struct Site {

@@ -164,7 +164,7 @@ TEST_CASE("interleaving: two switches are found where one does not do, also with
     CHECK_FALSE(one.failing.has_value());
 }
 
-TEST_CASE("interleaving: a block that waits lets others go on; one that waits for ever is named",
+TEST_CASE("interleaving: a block that waits lets others go on, and one that waits for ever is named",
           "[simt][interleave]") {
     Explored device;
     auto* words = reinterpret_cast<std::uint64_t*>(device.memory);
@@ -201,7 +201,7 @@ TEST_CASE("interleaving: a file that is none, or of another launch, is refused w
     refused(title + "kernel a\nblocks 2\n", "names no kernel, blocks or threads");
     std::filesystem::remove(file);
     CHECK_THROWS_WITH(read_interleaving(file), Contains("cannot be read"));
-    CHECK_THROWS_WITH(write_interleaving("/no/such/folder/a", {"a", 1, 32, {}}),
+    CHECK_THROWS_WITH(write_interleaving("/proc/no/a", {"a", 1, 32, {}}),
                       Contains("cannot be written"));
     Explored device;
     const auto run = device.run("add_slowly", 3, add_slowly, device.memory, false);
