@@ -151,7 +151,8 @@ TEST_CASE("ply: what is wrong is named with its element", "[scenes][ply]") {
     fails(tests::replaced(kPlyHeader, "vertex 3", "vertex 0"), "header", "no vertices");
     fails(tests::replaced(kPlyHeader, "float y", "float x"), "header", "one 'x', found 2");
     fails(tests::replaced(kPlyHeader, "end_header", "end_header:"), "header", "'end_header:'");
-    fails(tests::replaced(kPlyHeader, "vertex 3", "vertex 3property"), "header", "vertex 3property");
+    fails(tests::replaced(kPlyHeader, "vertex 3", "vertex 3property"), "header",
+          "vertex 3property");
     fails(kPlyHeader + "0 0 0\n1 0 0\n0 1 0\n0\n", "face 0", "without corners");
 }
 

@@ -164,8 +164,9 @@ TEST_CASE("interleaving: two switches are found where one does not do, also with
     CHECK_FALSE(one.failing.has_value());
 }
 
-TEST_CASE("interleaving: a block that waits lets others go on, and one that waits for ever is named",
-          "[simt][interleave]") {
+TEST_CASE(
+    "interleaving: a block that waits lets others go on, and one that waits for ever is named",
+    "[simt][interleave]") {
     Explored device;
     auto* words = reinterpret_cast<std::uint64_t*>(device.memory);
     const Exploration all =
