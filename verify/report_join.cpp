@@ -116,6 +116,7 @@ void check_shards(const std::vector<Shard>& shards, const std::vector<std::strin
 
 Report join(const std::vector<ReportPart>& parts, const std::vector<std::string>& names) {
     std::vector<Shard> shards;
+    shards.reserve(parts.size());
     for (const ReportPart& part : parts) shards.push_back(part.shard);
     check_same_sweep(parts, names);
     check_shards(shards, names);

@@ -158,6 +158,7 @@ MutantReport read_mutants(const std::string& path, const nlohmann::json& object)
 
 MutantReport join(const std::vector<MutantReport>& parts, const std::vector<std::string>& names) {
     std::vector<Shard> shards;
+    shards.reserve(parts.size());
     for (const MutantReport& part : parts) shards.push_back(parse_shard(part.shard));
     check_shards(shards, names);
     // Dealt out like cards, faults first and then conditions: so they come back.
