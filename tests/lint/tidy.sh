@@ -26,9 +26,13 @@ cache=${XDG_CACHE_HOME:-${HOME:-$build}/.cache}/cuda-scotty/lint
     exit 0
 }
 
-# A piece of a unity build is nothing but included sources.
+# A piece of a unity build is nothing but included sources; what is off in their folder is off in it.
 extra=()
-[[ $source != */Unity/* ]] || extra=(--checks=-bugprone-suspicious-include)
+if [[ $source == */Unity/* ]]; then
+    folder=$(sed -n 's|^#include "\(.*\)/[^/]*"$|\1|p' "$source" | head -n 1)
+    off=$([[ ! -e $folder/.clang-tidy ]] || sed -n "s/^Checks: '\(.*\)'$/,\1/p" "$folder/.clang-tidy")
+    extra=("--checks=-bugprone-suspicious-include$off")
+fi
 # clang-tidy also counts the findings in system headers that it does not show; nobody wants to know.
 "$clang_tidy" -p "$build" --quiet "$source" "${extra[@]}" 2>&1 | { grep -vE '^[0-9]+ warnings? (generated|treated)' || true; }
 mkdir -p "$cache" && : >"$cache/$key" || true # an unwritable home only costs time
