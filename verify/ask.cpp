@@ -2,20 +2,27 @@
 
 #include <cstdio>
 #include <memory>
+#include <sstream>
 
 namespace scotty::verify {
 
+std::string output_of(const std::string& command) {
+    const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
+    std::string text;
+    if (!pipe) return text;
+    char piece[4096];
+    while (const std::size_t got = std::fread(piece, 1, sizeof piece, pipe.get())) {
+        text.append(piece, got);
+    }
+    return text;
+}
+
 std::string ask(const std::string& command) {
-    const auto close = [](FILE* pipe) { pclose(pipe); };
-    const std::unique_ptr<FILE, decltype(close)> pipe(
-        popen((command + " 2>/dev/null").c_str(), "r"), close);
-    if (!pipe) return "";
+    std::istringstream lines(output_of(command + " 2>/dev/null"));
     std::string last;
-    char line[512];
-    while (std::fgets(line, sizeof line, pipe.get()) != nullptr) {
-        std::string text(line);
-        while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
-        if (!text.empty()) last = text;
+    for (std::string line; std::getline(lines, line);) {
+        while (!line.empty() && line.back() == ' ') line.pop_back();
+        if (!line.empty()) last = line;
     }
     return last;
 }

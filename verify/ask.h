@@ -5,6 +5,9 @@
 
 namespace scotty::verify {
 
+/// All that a shell command prints, whatever its exit code; empty where it cannot be started.
+std::string output_of(const std::string& command);
+
 /// Last line that is not empty of what a shell command prints; empty where it fails.
 std::string ask(const std::string& command);
 

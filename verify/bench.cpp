@@ -75,13 +75,7 @@ class Bench {
           embree_(scene) {}
 
     BenchReport run() {
-        report_.scene = scene_.name;
-        report_.triangles = scene_.triangles.size();
-        report_.parameters = settings_.parameters;
-        report_.repeats = settings_.repeats;
-        report_.threads = settings_.threads != 0
-                              ? settings_.threads
-                              : static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+        static_cast<BenchSubject&>(report_) = subject_of(scene_, settings_);
         time_renders();
         say("collecting rays");
         RayCollector collector;

@@ -42,12 +42,20 @@ struct BenchPart {
     std::uint64_t items = 0;  ///< rays, or queue entries
 };
 
-struct BenchReport {
+/// What was measured, in every benchmark of renders.
+struct BenchSubject {
     std::string scene;
     std::uint64_t triangles = 0;
     reference::PipelineParameters parameters;
     std::size_t threads = 0;
     int repeats = 0;
+};
+BenchSubject subject_of(const reference::Scene& scene, const BenchSettings& settings);
+/// Two lines and an empty one, which begin a table.
+std::string heading(const BenchSubject& subject);
+nlohmann::json subject_json(const BenchSubject& subject);
+
+struct BenchReport : BenchSubject {
     std::vector<BenchRays> kinds;
     BenchRays all;
     double render_seconds = 0.0;         ///< a whole render of the emulator, nobody watching

@@ -1,7 +1,7 @@
 /// What the checker of loads and stores costs on each tier, beside the same tier unchecked.
 #pragma once
 
-#include "verify/bench.h"
+#include "verify/bench_simt.h"
 
 namespace scotty::verify {
 
@@ -15,19 +15,13 @@ struct CheckBenchPart {
     bool within() const { return ratio() <= limit; }
 };
 
-struct CheckBenchReport {
-    std::string scene;
-    std::uint64_t triangles = 0;
-    reference::PipelineParameters parameters;
-    std::size_t threads = 0;
-    int repeats = 0;
+struct CheckBenchReport : BenchSubject {
     std::vector<CheckBenchPart> parts;
 
     bool passed() const;
 };
 
-/// Seconds of each render: "emulator" and "simt", by turns, as this program runs them. Throws
-/// internal where the two pictures differ.
+/// Seconds of each render of render_by_turns(): "emulator" and "simt", as this program runs them.
 nlohmann::json render_seconds(const reference::Scene& scene, const BenchSettings& settings);
 
 /// Round by round: here, and then in a scotty-checked of its own, started as `command`, which

@@ -1,5 +1,6 @@
 /// The figures of `scotty bench emulator` as a table and as JSON.
 #include <fmt/format.h>
+#include <tbb/task_arena.h>
 
 #include <nlohmann/json.hpp>
 
@@ -45,14 +46,44 @@ nlohmann::json to_json(const std::vector<BenchPart>& parts) {
 
 }  // namespace
 
-std::string table(const BenchReport& report) {
-    const auto& p = report.parameters;
-    std::string out = fmt::format(
+BenchSubject subject_of(const reference::Scene& scene, const BenchSettings& settings) {
+    const std::size_t threads =
+        settings.threads != 0 ? settings.threads
+                              : static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+    return {scene.name, scene.triangles.size(), settings.parameters, threads, settings.repeats};
+}
+
+std::string heading(const BenchSubject& subject) {
+    const auto& p = subject.parameters;
+    return fmt::format(
         "{} ({} triangles), {}x{} pixels, {} spp, {} bounces, {} light samples\n"
         "width {}, {} rays a block, early-out {}, {}, {}, shadow {}; {} threads, median of {}\n\n",
-        report.scene, report.triangles, p.image_width, p.image_height, p.spp, p.bounces,
+        subject.scene, subject.triangles, p.image_width, p.image_height, p.spp, p.bounces,
         p.light_samples, p.width, p.rays_per_block, to_string(p.early_out), to_string(p.hit_mode),
-        to_string(p.block_order), to_string(p.shadow_query), report.threads, report.repeats);
+        to_string(p.block_order), to_string(p.shadow_query), subject.threads, subject.repeats);
+}
+
+nlohmann::json subject_json(const BenchSubject& subject) {
+    const auto& p = subject.parameters;
+    return {{"scene", subject.scene},
+            {"triangles", subject.triangles},
+            {"image", {{"width", p.image_width}, {"height", p.image_height}}},
+            {"spp", p.spp},
+            {"bounces", p.bounces},
+            {"light_samples", p.light_samples},
+            {"seed", p.seed},
+            {"width", p.width},
+            {"rays_per_block", p.rays_per_block},
+            {"early_out", to_string(p.early_out)},
+            {"hit_mode", to_string(p.hit_mode)},
+            {"block_order", to_string(p.block_order)},
+            {"shadow_query", to_string(p.shadow_query)},
+            {"threads", subject.threads},
+            {"repeats", subject.repeats}};
+}
+
+std::string table(const BenchReport& report) {
+    std::string out = heading(report);
     out += fmt::format("{:<10} {:>12} {:>14} {:>14} {:>9}\n", "rays", "count", "emulator M/s",
                        "Embree M/s", "ratio");
     for (const BenchRays& kind : report.kinds) out += rays_row(kind);
@@ -72,32 +103,18 @@ std::string table(const BenchReport& report) {
 }
 
 nlohmann::json to_json(const BenchReport& report) {
-    const auto& p = report.parameters;
     nlohmann::json kinds = nlohmann::json::array();
     for (const BenchRays& kind : report.kinds) kinds.push_back(to_json(kind));
-    return {{"scene", report.scene},
-            {"triangles", report.triangles},
-            {"image", {{"width", p.image_width}, {"height", p.image_height}}},
-            {"spp", p.spp},
-            {"bounces", p.bounces},
-            {"light_samples", p.light_samples},
-            {"seed", p.seed},
-            {"width", p.width},
-            {"rays_per_block", p.rays_per_block},
-            {"early_out", to_string(p.early_out)},
-            {"hit_mode", to_string(p.hit_mode)},
-            {"block_order", to_string(p.block_order)},
-            {"shadow_query", to_string(p.shadow_query)},
-            {"threads", report.threads},
-            {"repeats", report.repeats},
-            {"ratio_to_embree", report.all.ratio()},
-            {"all_rays", to_json(report.all)},
-            {"rays", kinds},
-            {"render_seconds", report.render_seconds},
-            {"embree_render_seconds", report.embree_render_seconds},
-            {"device_bytes", report.device_bytes},
-            {"stages", to_json(report.stages)},
-            {"levels", to_json(report.levels)}};
+    nlohmann::json out = subject_json(report);
+    out.update({{"ratio_to_embree", report.all.ratio()},
+                {"all_rays", to_json(report.all)},
+                {"rays", kinds},
+                {"render_seconds", report.render_seconds},
+                {"embree_render_seconds", report.embree_render_seconds},
+                {"device_bytes", report.device_bytes},
+                {"stages", to_json(report.stages)},
+                {"levels", to_json(report.levels)}});
+    return out;
 }
 
 }  // namespace scotty::verify

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <chrono>
@@ -22,14 +21,8 @@ using reference::LaunchRecord;
 
 namespace {
 
-/// Renders of one of the two: how long, and its launches.
-struct Timed {
-    double seconds = 0.0;
-    std::vector<LaunchRecord> launches;
-};
-
 template <class Pipeline>
-Timed timed_render(Pipeline& pipeline, Image& image) {
+TimedRender timed_render(Pipeline& pipeline, Image& image) {
     pipeline.clear_launches();
     const auto start = std::chrono::steady_clock::now();
     image = pipeline.render();
@@ -37,22 +30,15 @@ Timed timed_render(Pipeline& pipeline, Image& image) {
     return {taken.count(), pipeline.launches()};
 }
 
-const Timed& middle(std::vector<Timed>& renders) {
+const TimedRender& middle(std::vector<TimedRender>& renders) {
     std::sort(renders.begin(), renders.end(),
-              [](const Timed& a, const Timed& b) { return a.seconds < b.seconds; });
+              [](const TimedRender& a, const TimedRender& b) { return a.seconds < b.seconds; });
     return renders[(renders.size() - 1) / 2];
-}
-
-void expect_same(const Image& a, const Image& b) {
-    if (same_pixels(a, b)) return;
-    throw reference::Error::internal(
-        "bench simt: the two pictures differ, so that their times say nothing; "
-        "scotty verify --backend simt says where");
 }
 
 }  // namespace
 
-SimtBenchReport bench_simt(const reference::Scene& scene, const BenchSettings& settings) {
+RendersByTurns render_by_turns(const reference::Scene& scene, const BenchSettings& settings) {
     reference::validate(settings.parameters);
     std::optional<tbb::global_control> limit;
     if (settings.threads != 0) {
@@ -63,35 +49,39 @@ SimtBenchReport bench_simt(const reference::Scene& scene, const BenchSettings& s
     emulation::Pipeline emulator(scene, bvh, settings.parameters, {settings.threads});
     const auto simt = simt::make_simt_pipeline(scene, bvh, settings.parameters, {settings.threads},
                                                nullptr, {.timings = true});
-    std::vector<Timed> ours;
-    std::vector<Timed> theirs;
+    RendersByTurns out;
     Image a;
     Image b;
     for (int round = -settings.warm_ups; round < settings.repeats; ++round) {
         if (settings.progress) {
             settings.progress("rendering, round " + std::to_string(round + settings.warm_ups + 1));
         }
-        Timed first = timed_render(emulator, a);
-        Timed second = timed_render(*simt, b);
-        expect_same(a, b);
+        TimedRender first = timed_render(emulator, a);
+        TimedRender second = timed_render(*simt, b);
+        if (!same_pixels(a, b)) {
+            throw reference::Error::internal(
+                "bench: the pictures of emulator and simt differ, so that their times say nothing; "
+                "scotty verify --backend simt says where");
+        }
         if (round < 0) continue;
-        ours.push_back(std::move(first));
-        theirs.push_back(std::move(second));
+        out.emulator.push_back(std::move(first));
+        out.simt.push_back(std::move(second));
     }
+    return out;
+}
+
+SimtBenchReport bench_simt(const reference::Scene& scene, const BenchSettings& settings) {
+    RendersByTurns renders = render_by_turns(scene, settings);
+    const TimedRender& ours = middle(renders.emulator);
+    const TimedRender& theirs = middle(renders.simt);
     SimtBenchReport report;
-    report.scene = scene.name;
-    report.triangles = scene.triangles.size();
-    report.parameters = settings.parameters;
-    report.threads = settings.threads != 0
-                         ? settings.threads
-                         : static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-    report.repeats = settings.repeats;
-    report.render = {"whole render", middle(ours).seconds, middle(theirs).seconds};
+    static_cast<BenchSubject&>(report) = subject_of(scene, settings);
+    report.render = {"whole render", ours.seconds, theirs.seconds};
     std::map<std::string, SimtBenchPart> parts;
-    for (const LaunchRecord& launch : middle(ours).launches) {
+    for (const LaunchRecord& launch : ours.launches) {
         parts[to_string(launch.kind)].emulator_seconds += launch.seconds;
     }
-    for (const LaunchRecord& launch : middle(theirs).launches) {
+    for (const LaunchRecord& launch : theirs.launches) {
         parts[to_string(launch.kind)].simt_seconds += launch.seconds;
     }
     for (auto& [name, part] : parts) {
@@ -104,13 +94,8 @@ SimtBenchReport bench_simt(const reference::Scene& scene, const BenchSettings& s
 }
 
 std::string table(const SimtBenchReport& report) {
-    const auto& p = report.parameters;
-    std::string out = fmt::format(
-        "{} ({} triangles), {}x{} pixels, {} spp, width {}, {} rays a block, early-out {}, {}; "
-        "{} threads, median of {}\n\n{:<20} {:>12} {:>12} {:>8}\n",
-        report.scene, report.triangles, p.image_width, p.image_height, p.spp, p.width,
-        p.rays_per_block, to_string(p.early_out), to_string(p.hit_mode), report.threads,
-        report.repeats, "", "emulator ms", "simt ms", "ratio");
+    std::string out = heading(report) + fmt::format("{:<20} {:>12} {:>12} {:>8}\n", "",
+                                                    "emulator ms", "simt ms", "ratio");
     const auto row = [&](const SimtBenchPart& part) {
         out += fmt::format("{:<20} {:>12.2f} {:>12.2f} {:>8.2f}\n", part.name,
                            1e3 * part.emulator_seconds, 1e3 * part.simt_seconds, part.ratio());
@@ -127,22 +112,13 @@ nlohmann::json to_json(const SimtBenchReport& report) {
                               {"simt_seconds", part.simt_seconds},
                               {"ratio", part.ratio()}};
     };
-    const auto& p = report.parameters;
     nlohmann::json stages = nlohmann::json::array();
     for (const SimtBenchPart& part : report.stages) stages.push_back(to_json_part(part));
-    return {{"scene", report.scene},
-            {"triangles", report.triangles},
-            {"image", {{"width", p.image_width}, {"height", p.image_height}}},
-            {"spp", p.spp},
-            {"width", p.width},
-            {"rays_per_block", p.rays_per_block},
-            {"early_out", to_string(p.early_out)},
-            {"hit_mode", to_string(p.hit_mode)},
-            {"threads", report.threads},
-            {"repeats", report.repeats},
-            {"ratio_to_emulator", report.render.ratio()},
-            {"render", to_json_part(report.render)},
-            {"stages", stages}};
+    nlohmann::json out = subject_json(report);
+    out.update({{"ratio_to_emulator", report.render.ratio()},
+                {"render", to_json_part(report.render)},
+                {"stages", stages}});
+    return out;
 }
 
 }  // namespace scotty::verify

@@ -15,15 +15,22 @@ struct SimtBenchPart {
 };
 
 /// Both are timed launch by launch; the parts are of each one's median render.
-struct SimtBenchReport {
-    std::string scene;
-    std::uint64_t triangles = 0;
-    reference::PipelineParameters parameters;
-    std::size_t threads = 0;
-    int repeats = 0;
+struct SimtBenchReport : BenchSubject {
     SimtBenchPart render;               ///< a whole render, nobody watching
     std::vector<SimtBenchPart> stages;  ///< by kind, the slowest first
 };
+
+/// Renders of one back end: how long each took, and its launches.
+struct TimedRender {
+    double seconds = 0.0;
+    std::vector<reference::LaunchRecord> launches;
+};
+struct RendersByTurns {
+    std::vector<TimedRender> emulator, simt;  ///< one a round; warm-ups are left out
+};
+/// Both render the same, one after the other, round after round. Throws internal where the two
+/// pictures differ in a bit.
+RendersByTurns render_by_turns(const reference::Scene& scene, const BenchSettings& settings);
 
 /// Renders with both by turns: the same scene, parameters, threads and machine.
 /// Throws internal where their pictures differ in a bit.

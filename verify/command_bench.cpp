@@ -11,11 +11,13 @@
 #include "reference/error.h"
 #include "reference/write_file.h"
 #include "scenes/scenes.h"
+#include "verify/ask.h"
 #include "verify/bench.h"
 #include "verify/bench_check.h"
 #include "verify/bench_gates.h"
 #include "verify/bench_simt.h"
 #include "verify/command.h"
+#include "verify/configurations.h"
 #include "verify/options.h"
 #include "verify/progress.h"
 #include "verify/report.h"
@@ -63,15 +65,10 @@ GateBenchSettings gate_settings(const BenchOptions& options, const CLI::App& com
 std::string checked_half(const BenchOptions& options) {
     const reference::PipelineParameters& p = options.settings.parameters;
     const auto self = std::filesystem::read_symlink("/proc/self/exe");
-    return fmt::format(
-        "'{}' bench check '{}' --repeats 1 --warm-ups 1 --threads {} --size {}x{} --spp {} "
-        "--bounces {} --light-samples {} --seed {} --leaf-size {} --width {} --rays-per-block {} "
-        "--early-out {} --hit-mode {} --block-order {} --shadow-query {} --hit-capacity {} "
-        "--batch-rays {}",
-        (self.parent_path() / "scotty-checked").string(), options.scene, options.settings.threads,
-        p.image_width, p.image_height, p.spp, p.bounces, p.light_samples, p.seed, p.max_leaf_size,
-        p.width, p.rays_per_block, to_string(p.early_out), to_string(p.hit_mode),
-        to_string(p.block_order), to_string(p.shadow_query), p.hit_capacity, p.batch_rays);
+    return fmt::format("{} bench check {} --repeats 1 --warm-ups 1 --threads {} {} {}",
+                       shell_word((self.parent_path() / "scotty-checked").string()),
+                       shell_word(options.scene), options.settings.threads, picture_options(p),
+                       pipeline_options(p));
 }
 
 int run_bench_check(const BenchOptions& options, const reference::Scene& scene,

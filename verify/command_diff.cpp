@@ -83,13 +83,8 @@ PipelineInput input_of_scene(const DiffCommand& options) {
 std::string rerun_command(const DiffCommand& options) {
     if (options.a.empty()) return fmt::format("scotty diff --backends {}", options.backends);
     const reference::PipelineParameters& p = options.parameters;
-    std::string pipeline = Configuration{p}.options();
-    pipeline.erase(pipeline.find(" --schedule"));  // free: what is compared does not depend on it
-    return fmt::format(
-        "scotty diff --backends {} '{}' --size {}x{} --spp {} --bounces {} --light-samples {} "
-        "--seed {} --leaf-size {} {}",
-        options.backends, options.a, p.image_width, p.image_height, p.spp, p.bounces,
-        p.light_samples, p.seed, p.max_leaf_size, pipeline);
+    return fmt::format("scotty diff --backends {} {} {} {}", options.backends,
+                       shell_word(options.a), picture_options(p), pipeline_options(p));
 }
 
 /// Two back ends on a scene, or a back end and a capture, whose input it runs.

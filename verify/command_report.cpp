@@ -6,18 +6,18 @@
 #include <nlohmann/json.hpp>
 
 #include "reference/error.h"
-#include "reference/write_file.h"
 #include "verify/capture_format.h"
 #include "verify/command.h"
 #include "verify/mutants/judge.h"
 #include "verify/report_file.h"
+#include "verify/report_outputs.h"
 
 namespace scotty::verify {
 namespace {
 
 struct ReportOptions {
     std::vector<std::string> files;
-    std::string json, junit, html;
+    ReportOutputs outputs;
 };
 
 int run_report(const ReportOptions& options) {
@@ -44,12 +44,7 @@ int run_report(const ReportOptions& options) {
     if (!parts.empty()) report = join(parts, part_names);
     if (!mutants.empty()) report.mutants = join(mutants, mutant_names);
     spdlog::info("{} parts of a verification, {} of planted faults", parts.size(), mutants.size());
-    if (!options.json.empty() && options.json != "-") {
-        reference::write_file(options.json, to_json(report).dump(2) + "\n");
-    }
-    if (!options.junit.empty()) reference::write_file(options.junit, to_junit(report));
-    if (!options.html.empty()) reference::write_file(options.html, to_html(report));
-    print_result(options.json == "-" ? to_json(report).dump(2) : table(report));
+    write_report(options.outputs, report, to_json(report));
     return report.passed() ? kExitPassed : kExitFailed;
 }
 
@@ -71,12 +66,7 @@ void add_report_command(CLI::App& app, Action& action) {
                      "of scotty verify --shard and scotty mutants, in any order")
         ->required()
         ->type_name("FILE");
-    command->add_option("--json", options->json, "write the report as JSON; - is standard output")
-        ->type_name("FILE");
-    command->add_option("--junit", options->junit, "write the report as JUnit XML")
-        ->type_name("FILE");
-    command->add_option("--html", options->html, "write the report as one HTML page")
-        ->type_name("FILE");
+    add_report_outputs(*command, options->outputs);
     command->callback([&action, options] { action = [options] { return run_report(*options); }; });
 }
 

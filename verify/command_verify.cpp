@@ -22,6 +22,7 @@
 #include "verify/progress.h"
 #include "verify/report.h"
 #include "verify/report_file.h"
+#include "verify/report_outputs.h"
 #include "verify/verify.h"
 #include "verify/verify_golden.h"
 
@@ -32,7 +33,8 @@ struct VerifyOptions {
     std::vector<std::string> scenes;
     VerifySettings settings;
     BackendChoice backend;
-    std::string json, junit, html, folder;
+    ReportOutputs outputs;
+    std::string folder;
     bool require_gpu = false;
     bool no_golden = false;
     bool only_golden = false;
@@ -73,22 +75,15 @@ nlohmann::ordered_json sweep_of(const VerifyOptions& options,
     return sweep;
 }
 
-/// "-" is standard output; then nothing else is printed there.
 void write_reports(const VerifyOptions& options, const Report& report,
                    const std::optional<ReportPart>& part) {
-    const auto json = [&] { return (part ? part_json(*part) : to_json(report)).dump(2) + "\n"; };
-    if (!options.json.empty() && options.json != "-") {
-        reference::write_file(options.json, json());
-    }
-    if (!options.junit.empty()) reference::write_file(options.junit, to_junit(report));
-    if (!options.html.empty()) reference::write_file(options.html, to_html(report));
     if (!options.folder.empty()) {
         reference::write_file(options.folder + "/verify.json", to_json(report).dump(2) + "\n");
         reference::write_file(options.folder + "/verify.junit.xml", to_junit(report));
         reference::write_file(options.folder + "/verify.html", to_html(report));
         spdlog::info("report: {}/verify.html", options.folder);
     }
-    print_result(options.json == "-" ? json() : table(report));
+    write_report(options.outputs, report, part ? part_json(*part) : to_json(report));
 }
 
 GoldenSettings golden_settings(const VerifyOptions& options, std::size_t first_unit) {
@@ -120,16 +115,6 @@ void judge_golden_files(const VerifyOptions& options, GoldenSettings golden, Rep
                  report.images.size(), report.false_alarm);
 }
 
-/// A pattern that no stage's name matches has verified nothing.
-bool matched_nothing(const VerifyOptions& options, const Report& report) {
-    if (options.only_golden || options.settings.has_unit) return false;  // of a part, join() asks
-    if (options.settings.stage_pattern.empty()) return report.scenes.empty();
-    return std::all_of(report.scenes.begin(), report.scenes.end(), [](const SceneReport& scene) {
-        return std::all_of(scene.configurations.begin(), scene.configurations.end(),
-                           [](const auto& c) { return c.counts.stages == 0; });
-    });
-}
-
 int run_verify(VerifyOptions& options) {
     const auto start = std::chrono::steady_clock::now();
     const auto seconds = [&] {
@@ -145,6 +130,11 @@ int run_verify(VerifyOptions& options) {
     configurations(options.settings.parameters, options.settings.filter);
     if (options.scenes.empty()) {
         for (const auto& scene : scenes::built_in_scenes()) options.scenes.push_back(scene.name);
+    }
+    // A run is known by its scene and number, in reports and between shards.
+    for (auto scene = options.scenes.begin(); scene != options.scenes.end(); ++scene) {
+        if (std::find(options.scenes.begin(), scene, *scene) == scene) continue;
+        throw reference::Error::bad_input(*scene, "is named twice; once is enough");
     }
     std::vector<reference::Scene> loaded;
     for (const std::string& scene : options.scenes) loaded.push_back(scenes::load_scene(scene));
@@ -199,7 +189,7 @@ int run_verify(VerifyOptions& options) {
             report.relaxed_reads.push_back({read.line, read.met});
         }
     }
-    if (matched_nothing(options, report)) {
+    if (!options.only_golden && !options.settings.has_unit && report.judged_no_stage()) {
         throw reference::Error::bad_input(
             "--stage", fmt::format("no stage's name matches '{}'; names look like "
                                    "bounce1/light0/level3/intersect (* and ? may stand in)",
@@ -249,12 +239,7 @@ void add_verify_command(CLI::App& app, Action& action, const std::string& comman
                         false);
     command->add_flag("--require-gpu", options->require_gpu,
                       "fail (exit code 3) where there is no CUDA device");
-    command->add_option("--json", options->json, "write the report as JSON; - is standard output")
-        ->type_name("FILE");
-    command->add_option("--junit", options->junit, "write the report as JUnit XML")
-        ->type_name("FILE");
-    command->add_option("--html", options->html, "write the report as one HTML page")
-        ->type_name("FILE");
+    add_report_outputs(*command, options->outputs);
     command
         ->add_option("--report", options->folder,
                      "write all three (verify.json, verify.junit.xml, verify.html) to a folder")

@@ -137,14 +137,22 @@ std::string Configuration::label() const {
         to_string(p.shadow_query), to_string(schedule), p.batch_rays);
 }
 
-std::string Configuration::options() const {
-    const PipelineParameters& p = parameters;
+std::string picture_options(const PipelineParameters& p) {
+    return fmt::format(
+        "--size {}x{} --spp {} --bounces {} --light-samples {} --seed {} --leaf-size {}",
+        p.image_width, p.image_height, p.spp, p.bounces, p.light_samples, p.seed, p.max_leaf_size);
+}
+
+std::string pipeline_options(const PipelineParameters& p) {
     return fmt::format(
         "--width {} --rays-per-block {} --early-out {} --hit-mode {} --block-order {} "
-        "--shadow-query {} --hit-capacity {} --batch-rays {} --schedule {}",
+        "--shadow-query {} --hit-capacity {} --batch-rays {}",
         p.width, p.rays_per_block, to_string(p.early_out), to_string(p.hit_mode),
-        to_string(p.block_order), to_string(p.shadow_query), p.hit_capacity, p.batch_rays,
-        to_string(schedule));
+        to_string(p.block_order), to_string(p.shadow_query), p.hit_capacity, p.batch_rays);
+}
+
+std::string Configuration::options() const {
+    return fmt::format("{} --schedule {}", pipeline_options(parameters), to_string(schedule));
 }
 
 Configuration baseline_configuration(const PipelineParameters& base) {

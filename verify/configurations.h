@@ -12,6 +12,11 @@ namespace scotty::verify {
 
 using emulation::Schedule;
 
+/// The options that make this picture: "--size 45x37 --spp 2 --bounces 2 ...".
+std::string picture_options(const reference::PipelineParameters& parameters);
+/// Those that select this way to make it: "--width 8 --rays-per-block 64 ...".
+std::string pipeline_options(const reference::PipelineParameters& parameters);
+
 struct Configuration {
     reference::PipelineParameters parameters;
     Schedule schedule{};
@@ -19,7 +24,7 @@ struct Configuration {
     emulation::DeviceOptions device(std::size_t threads) const;
     /// "width 8, 64 rays a block, early-out level, buffer of 8, linear, shadow any, free".
     std::string label() const;
-    /// The options that select exactly this one: "--width 8 --rays-per-block 64 ...".
+    /// The options that select exactly this one: pipeline_options() and the schedule.
     std::string options() const;
 };
 

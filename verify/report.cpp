@@ -39,6 +39,13 @@ bool Report::passed() const {
                        [](const ImageCase& image) { return image.passed(); });
 }
 
+bool Report::judged_no_stage() const {
+    return std::all_of(scenes.begin(), scenes.end(), [](const SceneReport& scene) {
+        return std::all_of(scene.configurations.begin(), scene.configurations.end(),
+                           [](const auto& one) { return one.counts.stages == 0; });
+    });
+}
+
 std::vector<PlacedFailure> placed_failures(const Report& report) {
     std::vector<PlacedFailure> placed;
     for (const SceneReport& scene : report.scenes) {

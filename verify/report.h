@@ -73,6 +73,8 @@ struct Report {
     /// What is wrong with the golden files themselves: missing, stale, corrupted, waivers that have
     /// expired. `stage` names the case.
     std::vector<Failure> golden_failures;
+    /// Golden images that were not judged because of them, by their number in the whole sweep.
+    std::vector<std::size_t> unjudged_units;
     bool checked = false;                      ///< --check
     std::vector<RelaxedRead> relaxed_reads{};  ///< where checked: by line
     /// Probability that all these images together fail though nothing is wrong.
@@ -81,6 +83,8 @@ struct Report {
     std::optional<MutantReport> mutants;  ///< where `scotty report` was given them
 
     bool passed() const;
+    /// No scene had a stage that was judged: a --stage that matches none, or nothing but images.
+    bool judged_no_stage() const;
 };
 
 /// A failure with the configuration in which it arose and the command that shows it again.

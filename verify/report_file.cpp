@@ -85,6 +85,7 @@ json part_json(const ReportPart& part) {
                 {"scenes", report.scenes},
                 {"images", report.images},
                 {"golden_failures", report.golden_failures},
+                {"unjudged_units", report.unjudged_units},
                 {"checked", report.checked},
                 {"relaxed_reads", report.relaxed_reads},
                 {"false_alarm", report.false_alarm},
@@ -117,6 +118,7 @@ ReportPart read_part(const fs::path& path, json object) {
         report.scenes = object.at("scenes").get<std::vector<SceneReport>>();
         report.images = object.at("images").get<std::vector<ImageCase>>();
         report.golden_failures = object.at("golden_failures").get<std::vector<Failure>>();
+        report.unjudged_units = object.at("unjudged_units").get<std::vector<std::size_t>>();
         report.checked = object.at("checked");
         report.relaxed_reads = object.at("relaxed_reads").get<std::vector<RelaxedRead>>();
         report.false_alarm = object.at("false_alarm");

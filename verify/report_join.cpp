@@ -73,18 +73,18 @@ void check_same_sweep(const std::vector<ReportPart>& parts, const std::vector<st
 /// Nothing was left out between the shards, and nothing done twice.
 void check_units(const Report& report, std::size_t units) {
     std::set<std::size_t> done;
-    const auto add = [&](const auto& item) {
-        if (!done.insert(item.unit).second) {
-            throw Error::bad_input(fmt::format("unit {}", item.unit), "was run by two shards");
+    const auto add = [&](std::size_t unit) {
+        if (!done.insert(unit).second) {
+            throw Error::bad_input(fmt::format("unit {}", unit), "was run by two shards");
         }
     };
     for (const SceneReport& scene : report.scenes) {
-        for (const ConfigurationReport& configuration : scene.configurations) add(configuration);
+        for (const ConfigurationReport& one : scene.configurations) add(one.unit);
     }
-    for (const ImageCase& image : report.images) add(image);
+    for (const ImageCase& image : report.images) add(image.unit);
+    for (const std::size_t unit : report.unjudged_units) add(unit);
     for (std::size_t unit = 0; unit < units; ++unit) {
-        // A golden image whose file is broken has no unit done, but a failure that says so.
-        if (done.contains(unit) || !report.golden_failures.empty()) continue;
+        if (done.contains(unit)) continue;
         throw Error::bad_input(fmt::format("unit {} of {}", unit, units), "was run by no shard");
     }
 }
@@ -124,6 +124,7 @@ Report join(const std::vector<ReportPart>& parts, const std::vector<std::string>
     report.scenes.clear();
     report.images.clear();
     report.golden_failures.clear();
+    report.unjudged_units.clear();
     report.relaxed_reads.clear();
     report.seconds = 0.0;
     for (const ReportPart& part : parts) {
@@ -131,6 +132,9 @@ Report join(const std::vector<ReportPart>& parts, const std::vector<std::string>
         report.images.insert(report.images.end(), part.report.images.begin(),
                              part.report.images.end());
         add_new(report.golden_failures, part.report.golden_failures);
+        report.unjudged_units.insert(report.unjudged_units.end(),
+                                     part.report.unjudged_units.begin(),
+                                     part.report.unjudged_units.end());
         for (const RelaxedRead& read : part.report.relaxed_reads) {
             const auto same =
                 std::find_if(report.relaxed_reads.begin(), report.relaxed_reads.end(),
@@ -145,6 +149,10 @@ Report join(const std::vector<ReportPart>& parts, const std::vector<std::string>
     }
     sort_units(report);
     check_units(report, parts.front().units);
+    const std::string pattern = parts.front().sweep.value("stage", "");
+    if (!pattern.empty() && report.judged_no_stage()) {
+        throw Error::bad_input("--stage", "no stage's name matches '" + pattern + "'");
+    }
     return report;
 }
 

@@ -13,6 +13,7 @@
 #include "reference/embree_renderer.h"
 #include "reference/tracers.h"
 #include "reference/wide_bvh.h"
+#include "verify/ask.h"
 #include "verify/backend.h"
 #include "verify/emulator_diff.h"
 #include "verify/interval_check.h"
@@ -117,11 +118,10 @@ class SceneVerification {
 
     std::string replay_of(const Configuration& configuration) const {
         const PipelineParameters& p = configuration.parameters;
-        std::string command = fmt::format(
-            "scotty verify '{}' --size {}x{} --spp {} --bounces {} --light-samples {} --seed {} "
-            "--leaf-size {} {}",
-            scene_.source.empty() ? scene_.name : scene_.source, p.image_width, p.image_height,
-            p.spp, p.bounces, p.light_samples, p.seed, p.max_leaf_size, configuration.options());
+        std::string command =
+            fmt::format("scotty verify {} {} {}",
+                        shell_word(scene_.source.empty() ? scene_.name : scene_.source),
+                        picture_options(p), configuration.options());
         if (settings_.backend != "emulator") command += " --backend " + settings_.backend;
         if (settings_.check) command += " --check";
         if (!settings_.plant.empty()) command += " --plant " + settings_.plant;

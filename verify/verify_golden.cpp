@@ -82,6 +82,10 @@ void verify_golden(const GoldenSettings& settings, const Backend& backend, Repor
         report.golden_failures.push_back(golden_failure(invariant, place, sentence));
     };
     report.false_alarm = settings.false_alarm;
+    const auto ours = [&](std::size_t i) {
+        return !settings.has_unit || settings.has_unit(settings.first_unit + i);
+    };
+    std::size_t reached = 0;
     std::vector<std::string> names;
     names.reserve(cases.size());
     for (const GoldenCase& one : cases) names.push_back(one.name);
@@ -90,9 +94,9 @@ void verify_golden(const GoldenSettings& settings, const Backend& backend, Repor
             settings.folder.empty() ? find_golden_folder() : std::filesystem::path(settings.folder);
         std::vector<std::string> broken;
         for (const GoldenFinding& found : check_golden(folder, golden_cases(), today())) {
-            const bool ours = found.name.empty() ||
-                              std::find(names.begin(), names.end(), found.name) != names.end();
-            if (!ours) continue;
+            const bool of_these = found.name.empty() ||
+                                  std::find(names.begin(), names.end(), found.name) != names.end();
+            if (!of_these) continue;
             fail(fmt::format("golden-{}", to_string(found.problem)), found.name,
                  fmt::format("{}{}{}; {}", found.file, found.file.empty() ? "" : ": ", found.text,
                              found.way_out));
@@ -100,13 +104,17 @@ void verify_golden(const GoldenSettings& settings, const Backend& backend, Repor
         }
         WaiverBook waivers(read_waivers(folder), today());
         const double each = false_alarm_per_image(settings.false_alarm, cases.size());
-        for (std::size_t i = 0; i < cases.size(); ++i) {
-            if (std::find(broken.begin(), broken.end(), cases[i].name) != broken.end()) continue;
-            const std::size_t unit = settings.first_unit + i;
-            if (settings.has_unit && !settings.has_unit(unit)) continue;
-            if (settings.progress) settings.progress(cases[i].name, i, cases.size());
-            report.images.push_back(image_case(
-                judge_golden(folder, cases[i], backend, waivers, each, settings.threads)));
+        for (; reached < cases.size(); ++reached) {
+            if (!ours(reached)) continue;
+            const GoldenCase& one = cases[reached];
+            const std::size_t unit = settings.first_unit + reached;
+            if (std::find(broken.begin(), broken.end(), one.name) != broken.end()) {
+                report.unjudged_units.push_back(unit);
+                continue;
+            }
+            if (settings.progress) settings.progress(one.name, reached, cases.size());
+            report.images.push_back(
+                image_case(judge_golden(folder, one, backend, waivers, each, settings.threads)));
             report.images.back().unit = unit;
         }
         if (settings.has_unit) return;  // no shard knows what the others needed
@@ -117,6 +125,9 @@ void verify_golden(const GoldenSettings& settings, const Backend& backend, Repor
     } catch (const reference::Error& error) {
         if (error.kind() == reference::ErrorKind::missing_environment) throw;
         fail("golden", "", error.what());
+        for (; reached < cases.size(); ++reached) {
+            if (ours(reached)) report.unjudged_units.push_back(settings.first_unit + reached);
+        }
     }
 }
 

@@ -9,10 +9,11 @@ parallel --version 2>/dev/null | grep -q GNU || {
 }
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
+golden=$(dirname "$0")/../../golden
 sweep=(verify furnace veil --size 16x12 --spp 1 --bounces 1 --schedules 2)
 
-"$scotty" "${sweep[@]}" --json "$out/whole.json" --golden "$(dirname "$0")/../../golden" >/dev/null 2>&1
-seq 3 | parallel --will-cite -j2 "$scotty" "${sweep[@]}" --golden "$(dirname "$0")/../../golden" \
+"$scotty" "${sweep[@]}" --json "$out/whole.json" --golden "$golden" >/dev/null 2>&1
+seq 3 | parallel --will-cite -j2 "$scotty" "${sweep[@]}" --golden "$golden" \
     --shard {}/3 --json "$out/{}.json" ">$out/{}.log 2>&1"
 "$scotty" report "$out"/{3,1,2}.json --json "$out/joined.json" --html "$out/joined.html" --junit "$out/joined.xml" \
     >/dev/null 2>&1
@@ -46,4 +47,28 @@ refused "is shard 1/3, and so is" "$out"/{1,1,2,3}.json
 "$scotty" "${sweep[@]}" --seed 1 --no-golden --shard 2/3 --json "$out/other.json" >/dev/null 2>&1
 refused "is of another sweep" "$out"/{1,other,3}.json
 refused "expected what scotty verify --shard" "$out/whole.json"
+
+# A golden file that is broken fails the sweep, in parts too, and excuses no run that nobody made.
+cp -r "$golden" "$out/golden"
+echo broken >"$out/golden/images/veil.exr"
+for part in 1 2; do
+    "$scotty" verify furnace veil --only-golden --golden "$out/golden" --shard $part/2 --json "$out/golden$part.json" \
+        >/dev/null 2>&1 || true
+done
+code=0
+"$scotty" report "$out"/golden{1,2}.json >"$out/said" 2>&1 || code=$?
+[[ $code == 1 ]] && grep -q "veil.exr" "$out/said"
+python3 - "$out" <<'TEXT'
+import json, sys
+for part in 1, 2:
+    path = f"{sys.argv[1]}/golden{part}.json"
+    report = json.load(open(path))
+    report["images"] = []
+    json.dump(report, open(path, "w"))
+TEXT
+refused "unit 0 of 2: was run by no shard" "$out"/golden{1,2}.json
+for part in 1 2; do
+    "$scotty" "${sweep[@]}" --stage 'nosuch*' --shard $part/2 --json "$out/stage$part.json" >/dev/null 2>&1
+done
+refused "no stage's name matches" "$out"/stage{1,2}.json
 echo "whole and joined say the same"

@@ -23,17 +23,19 @@ struct Result {
     std::string out, err;
 };
 
-/// `scotty` lies beside this test program.
-inline Result run_scotty(const std::string& arguments) {
+inline Result run(const std::filesystem::path& program, const std::string& arguments) {
     const TemporaryFolder folder;
-    const std::filesystem::path program =
-        std::filesystem::read_symlink("/proc/self/exe").parent_path() / "scotty";
     REQUIRE(std::filesystem::exists(program));
     const std::string command = "'" + program.string() + "' " + arguments + " >'" +
                                 folder.file("out") + "' 2>'" + folder.file("err") + "'";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, slurp(folder.file("out")),
             slurp(folder.file("err"))};
+}
+
+/// `scotty` lies beside this test program.
+inline Result run_scotty(const std::string& arguments) {
+    return run(std::filesystem::read_symlink("/proc/self/exe").parent_path() / "scotty", arguments);
 }
 
 /// A stream of this process into a file, for as long as this lives.

@@ -1,14 +1,19 @@
 #include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "reference/error.h"
 #include "scenes/scenes.h"
+#include "tests/verify/command_tools.h"
 #include "verify/bench.h"
+#include "verify/bench_check.h"
 #include "verify/bench_simt.h"
 #include "verify/options.h"
 
 namespace {
 
+namespace fs = std::filesystem;
 using namespace scotty;
 using Catch::Matchers::Contains;
 
@@ -65,6 +70,44 @@ TEST_CASE("bench: the CUDA text on the CPU is timed beside the emulator, stage b
     CHECK(parts <= report.render.simt_seconds);
     CHECK(to_json(report)["ratio_to_emulator"].get<double>() == report.render.ratio());
     CHECK_THAT(table(report), Contains("whole render") && Contains("intersect_root"));
+}
+
+TEST_CASE("bench: checking that costs more than its limit fails", "[verify][bench]") {
+    verify::BenchSettings settings;
+    settings.parameters.image_width = 16;
+    settings.parameters.image_height = 8;
+    settings.parameters.spp = 1;
+    settings.repeats = 1;
+    const reference::Scene scene = scenes::load_scene("cornell");
+    const auto with = [&](const std::string& emulator, const std::string& simt) {
+        return bench_check(scene, settings,
+                           R"(echo '{"emulator":[)" + emulator + R"(],"simt":[)" + simt + "]}'");
+    };
+    CHECK(with("1e-9", "1e-9").passed());
+    CHECK_FALSE(with("1e-9", "1e9").passed());
+    const verify::CheckBenchReport slow = with("1e9", "1e-9");
+    CHECK_FALSE(slow.passed());
+    REQUIRE(slow.parts.size() == 2);
+    CHECK_FALSE(slow.parts[0].within());
+    CHECK(slow.parts[1].within());
+    CHECK(to_json(slow)["passed"] == false);
+    CHECK_THAT(table(slow), Contains("OVER THE LIMIT"));
+    CHECK_THROWS_WITH(bench_check(scene, settings, "true"), Contains("no figures from true"));
+}
+
+TEST_CASE("bench: the command fails with the limit, exit code 1", "[verify][bench][cli]") {
+    const verify::test::TemporaryFolder folder;
+    const fs::path here = fs::read_symlink("/proc/self/exe").parent_path();
+    fs::copy_file(here / "scotty", folder / "scotty");
+    // What scotty-checked would print, had it taken that long.
+    std::ofstream(folder / "scotty-checked")
+        << "#!/bin/sh\necho '{\"emulator\":[1e-9],\"simt\":[1e9]}'\n";
+    fs::permissions(folder / "scotty-checked", fs::perms::owner_all);
+    const verify::test::Result result = verify::test::run(
+        folder / "scotty", "bench check cornell --size 16x8 --repeats 1 --json -");
+    INFO(result.err);
+    CHECK(result.exit_code == 1);
+    CHECK(nlohmann::json::parse(result.out)["passed"] == false);
 }
 
 TEST_CASE("options: a size is two numbers around an x", "[verify][options]") {

@@ -13,7 +13,7 @@
 #include "reference/wide_bvh.h"
 #include "scenes/scenes.h"
 #include "tests/verify/capture_tools.h"
-#include "tests/verify/stage_copies.h"
+#include "tests/verify/spheres_run.h"
 #include "verify/invariants.h"
 
 namespace {
@@ -23,34 +23,11 @@ using namespace scotty::reference;
 using verify::Failure;
 using verify::InvariantChecker;
 using verify::test::small_parameters;
+using verify::test::spheres;
 using verify::test::StageCopies;
 using verify::test::StageCopy;
+using Run = verify::test::SpheresRun;
 namespace invariant = verify::invariant;
-
-const Scene& spheres() {
-    static const Scene scene = scenes::load_scene("spheres");
-    return scene;
-}
-
-/// One run: a pipeline's stages, to be spoiled, and a checker to show them to.
-struct Run {
-    explicit Run(const PipelineParameters& p)
-        : parameters(p), bvh(build_wide_bvh(spheres(), {p.width, p.max_leaf_size, 0})) {
-        emulation::Pipeline(spheres(), bvh, parameters, {}, &stages).render();
-    }
-
-    std::vector<Failure> check(const verify::InvariantSettings& settings = {}) const {
-        InvariantChecker checker(spheres(), bvh, parameters, settings);
-        stages.show_to(checker);
-        return checker.failures();
-    }
-
-    std::uint32_t first_node(std::uint32_t level) const { return bvh.level_begins[level]; }
-
-    PipelineParameters parameters;
-    WideBvh bvh;
-    StageCopies stages;
-};
 
 /// The first failure under that name; fails the test where there is none.
 Failure first(const std::vector<Failure>& failures, const char* tag) {

@@ -2,41 +2,27 @@
 #include <bit>
 #include <catch2/catch.hpp>
 #include <cstdint>
+#include <string>
+#include <vector>
 
-#include "emulation/pipeline.h"
-#include "reference/wide_bvh.h"
-#include "scenes/scenes.h"
 #include "tests/verify/capture_tools.h"
-#include "tests/verify/stage_copies.h"
-#include "verify/invariants.h"
+#include "tests/verify/spheres_run.h"
 
 namespace {
 
 using namespace scotty;
 using namespace scotty::reference;
 using verify::Failure;
-using verify::InvariantChecker;
 using verify::test::small_parameters;
-using verify::test::StageCopies;
 
-struct Run {
-    explicit Run(const PipelineParameters& p)
-        : parameters(p), bvh(build_wide_bvh(scene, {p.width, p.max_leaf_size, 0})) {
-        emulation::Pipeline(scene, bvh, parameters, {}, &stages).render();
-    }
+struct Run : verify::test::SpheresRun {
+    using SpheresRun::SpheresRun;
 
     std::vector<Failure> failures(bool recompute = true) const {
         verify::InvariantSettings settings;
         settings.recompute_shading = recompute;
-        InvariantChecker checker(scene, bvh, parameters, settings);
-        stages.show_to(checker);
-        return checker.failures();
+        return check(settings);
     }
-
-    Scene scene = scenes::load_scene("spheres");
-    PipelineParameters parameters;
-    WideBvh bvh;
-    StageCopies stages;
 };
 
 void one_ulp_up(float& value) {
