@@ -193,15 +193,15 @@ inline reference::RayShear shear_of(const BlockShear& shear, std::uint32_t threa
 }
 
 /// Appends a leaf's hit to what the ray has gathered, and lowers its minimum.
-inline void record_hit(std::uint32_t ray_id, const reference::Hit& hit, const HitView& hits,
-                       const MinimumView& minimum) {
+inline void record_hit(std::uint32_t ray_id, const reference::HitCandidate& hit,
+                       const HitView& hits, const MinimumView& minimum) {
     if (hits.mode == reference::HitMode::packed) {
         atomic_min(hits.packed[ray_id],
                    std::uint64_t{std::bit_cast<std::uint32_t>(hit.t)} << 32 | hit.primitive);
     } else {
         const std::uint32_t slot = atomic_add(hits.counts[ray_id], 1);
         if (slot < hits.capacity) {
-            hits.candidates[std::size_t{ray_id} * hits.capacity + slot] = {hit.t, hit.primitive};
+            hits.candidates[std::size_t{ray_id} * hits.capacity + slot] = hit;
         } else {
             atomic_max(*hits.needed, slot + 1);  // never silent: the host grows and retries
         }
@@ -269,7 +269,7 @@ inline void intersect_leaf(const Block& block, std::uint32_t count, const refere
     }
     block.phase(count, [&](std::uint32_t thread) {
         if (reference::is_hit(best[thread]) && best[thread].t <= loaded.limit[thread]) {
-            record_hit(loaded.id[thread], best[thread], hits, minimum);
+            record_hit(loaded.id[thread], {best[thread].t, best[thread].primitive}, hits, minimum);
         }
     });
 }

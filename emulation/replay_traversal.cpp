@@ -4,6 +4,7 @@
 
 #include "emulation/intersect.h"
 #include "emulation/intersect_root.h"
+#include "emulation/intersect_subtrees.h"
 #include "emulation/merge_intersections.h"
 #include "emulation/publish_minimum.h"
 #include "emulation/replay_stages.h"
@@ -34,8 +35,11 @@ void launch_level(ReplayStage& run, std::uint32_t blocks, std::uint32_t grid_sid
     const reference::WideBvhView<Width> bvh = reference::view_of<Width>(run.bvh);
     const auto threads = static_cast<std::uint32_t>(run.parameters.rays_per_block);
     const auto ray_count = static_cast<std::uint32_t>(in.rays.size());
+    const bool subtrees = run.bvh.has_subtrees() && run.stage.level + 1 == run.bvh.level_count();
     run.device.launch(blocks, threads, [&](const Block& block) {
-        if (run.stage.kind == StageKind::intersect_root) {
+        if (subtrees) {
+            intersect_subtrees(block, bvh, in.rays.data(), level, hits, minimum, grid_side);
+        } else if (run.stage.kind == StageKind::intersect_root) {
             intersect_root(block, bvh, in.rays.data(), ray_count, level, minimum);
         } else {
             intersect(block, bvh, in.rays.data(), level, hits, minimum, grid_side);

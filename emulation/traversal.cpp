@@ -8,6 +8,7 @@
 
 #include "emulation/intersect.h"
 #include "emulation/intersect_root.h"
+#include "emulation/intersect_subtrees.h"
 #include "emulation/merge_intersections.h"
 #include "emulation/publish_minimum.h"
 #include "emulation/scan_counts.h"
@@ -195,8 +196,11 @@ void Traversal::launch_level(std::uint32_t level, std::uint32_t blocks, std::uin
     const HitView hits = hit_view();
     const MinimumView minimum = minimum_view();
     const auto ray_count = static_cast<std::uint32_t>(rays_.size());
+    const bool subtrees = bvh_.has_subtrees() && level + 1 == bvh_.level_count();
     device_.launch(blocks, threads, [&](const Block& block) {
-        if (level == 0) {
+        if (subtrees) {
+            intersect_subtrees(block, bvh, rays_.data(), queues, hits, minimum, grid_side);
+        } else if (level == 0) {
             intersect_root(block, bvh, rays_.data(), ray_count, queues, minimum);
         } else {
             intersect(block, bvh, rays_.data(), queues, hits, minimum, grid_side);

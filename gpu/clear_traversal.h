@@ -1,4 +1,4 @@
-/// Kernel: what a traversal starts from: no hits, and a minimum of t_max.
+/// Kernel: what a traversal starts from: all rays at the root, and everything else zero.
 #pragma once
 
 #include "gpu/dialect.h"
@@ -7,16 +7,13 @@
 namespace SCOTTY_DEVICE_NAMESPACE {
 
 SCOTTY_KERNEL(clear_traversal)
-(std::uint32_t count, const reference::Ray* rays, HitView hits, float* minimum, float* lowered) {
-    const std::uint32_t ray_id = block_index() * block_size() + thread_index();
-    if (ray_id >= count) SCOTTY_RETURN;
-    if (hits.packed_mode != 0) {
-        hits.packed[ray_id] = kNoPackedHit;
-    } else {
-        hits.counts[ray_id] = 0;
-    }
-    if (minimum != nullptr) minimum[ray_id] = rays[ray_id].t_max;
-    if (lowered != nullptr) lowered[ray_id] = rays[ray_id].t_max;
+(std::uint32_t rays, std::uint32_t nodes, std::uint32_t* node_counts, std::uint32_t scans,
+ std::uint64_t* scan_words, FaultView* faults) {
+    const std::uint32_t i = block_index() * block_size() + thread_index();
+    if (i >= nodes && i >= scans) SCOTTY_RETURN;
+    if (i == 0) *faults = FaultView{};
+    if (i < nodes) node_counts[i] = i == 0 ? rays : 0;
+    if (i < scans) scan_words[i] = 0;
 }
 
 }  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -2,6 +2,7 @@
 
 #include "gpu/device_scene.h"
 #include "gpu/dialect.h"
+#include "gpu/subtree_refs.h"
 
 namespace SCOTTY_DEVICE_NAMESPACE {
 
@@ -23,6 +24,8 @@ DeviceScene::DeviceScene(const reference::Scene& scene, const reference::WideBvh
                          MemoryBudget& budget)
     : width_(bvh.width),
       level_begins_(bvh.level_begins),
+      node_count_(bvh.node_count()),
+      packed_leaves_(can_pack(bvh)),
       vertices_(budget),
       normals_(budget),
       triangles_(budget),
@@ -41,7 +44,8 @@ DeviceScene::DeviceScene(const reference::Scene& scene, const reference::WideBvh
     materials_.upload(scene.materials, "materials");
     lights_.upload(scene.lights, "lights");
     std::visit(
-        [&](const auto& nodes) {
+        [&](auto nodes) {  // a copy: the host keeps ids
+            make_subtree_refs(bvh, packed_leaves_, nodes);
             inner_.upload({reinterpret_cast<const std::uint8_t*>(nodes.data()),
                            nodes.size() * sizeof(nodes[0])},
                           "BVH nodes");

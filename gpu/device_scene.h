@@ -19,7 +19,7 @@ class DeviceScene {
     template <int Width>
     BvhView<Width> bvh() const {
         return {reinterpret_cast<const reference::WideNode<Width>*>(inner_.data()), leaves_.data(),
-                leaf_triangles_.data(), node_refs_.data()};
+                leaf_triangles_.data(), node_refs_.data(), packed_leaves_ ? 1u : 0u};
     }
     /// By node id: the parent's position in its level.
     const std::uint32_t* parent_positions() const { return parent_positions_.data(); }
@@ -31,10 +31,14 @@ class DeviceScene {
     std::uint32_t level_nodes(std::uint32_t level) const {
         return level < level_count() ? level_begins_[level + 1] - level_begins_[level] : 0;
     }
+    /// Inner nodes of the last level are subtrees: there are nodes below it.
+    bool has_subtrees() const { return level_begins_.back() < node_count_; }
 
  private:
     int width_;
     std::vector<std::uint32_t> level_begins_;
+    std::uint32_t node_count_;
+    bool packed_leaves_;
     reference::SceneView view_;
     DeviceMemory<reference::Vec3> vertices_, normals_;
     DeviceMemory<std::uint32_t> triangles_, material_of_;

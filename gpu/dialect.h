@@ -54,6 +54,7 @@ inline void label_memory(const void* /*memory*/, const char* /*name*/) {}
 inline void discard_slots(const void* /*memory*/, std::size_t /*bytes*/) {}
 
 constexpr std::uint32_t kWarpSize = 32;
+constexpr std::uint32_t kRoundsOfBlocks = 16;  ///< where blocks start as others end
 constexpr std::uint32_t kWholeWarp = 0xffffffffu;
 
 SCOTTY_DEVICE std::uint32_t thread_index() { return threadIdx.x; }
@@ -136,18 +137,28 @@ SCOTTY_DEVICE void store_relaxed(std::uint64_t* target, std::uint64_t value) {
 SCOTTY_DEVICE std::uint32_t float_bits(float value) { return __float_as_uint(value); }
 SCOTTY_DEVICE float bits_float(std::uint32_t bits) { return __uint_as_float(bits); }
 
-/// `count` 16-byte pieces at once: records are aligned for it.
-template <class Record>
-SCOTTY_DEVICE Record load_record(const Record* source) {
-    static_assert(sizeof(Record) % 16 == 0, "whole 16-byte loads");
+template <class Record, class Piece>
+SCOTTY_DEVICE Record load_pieces(const Record* source) {
     union {
-        float4 pieces[sizeof(Record) / 16];
+        Piece pieces[sizeof(Record) / sizeof(Piece)];
         Record record;
     } loaded;
-    const float4* from = reinterpret_cast<const float4*>(source);
+    const auto* from = reinterpret_cast<const Piece*>(source);
 #pragma unroll
-    for (unsigned i = 0; i < sizeof(Record) / 16; ++i) loaded.pieces[i] = __ldg(from + i);
+    for (unsigned i = 0; i < sizeof(Record) / sizeof(Piece); ++i) {
+        loaded.pieces[i] = __ldg(from + i);
+    }
     return loaded.record;
+}
+/// In pieces of 16 or 8 bytes, for which records are aligned.
+template <class Record>
+SCOTTY_DEVICE Record load_record(const Record* source) {
+    static_assert(sizeof(Record) % 8 == 0, "whole 8-byte loads");
+    if constexpr (sizeof(Record) % 16 == 0) {
+        return load_pieces<Record, float4>(source);
+    } else {
+        return load_pieces<Record, float2>(source);
+    }
 }
 
 }  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -124,16 +124,15 @@ push_to_children(std::uint32_t entered, std::uint32_t ray_id, const LevelView& l
     SCOTTY_RETURN;
 }
 
-SCOTTY_DEVICE void record_hit(std::uint32_t ray_id, const reference::Hit& hit, const HitView& hits,
-                              const MinimumView& minimum) {
+SCOTTY_DEVICE void record_hit(std::uint32_t ray_id, const reference::HitCandidate& hit,
+                              const HitView& hits, const MinimumView& minimum) {
     if (hits.packed_mode != 0) {
         atomic_min(&hits.packed[ray_id],
                    static_cast<std::uint64_t>(float_bits(hit.t)) << 32 | hit.primitive);
     } else {
         const std::uint32_t slot = atomic_add(&hits.counts[ray_id], 1);
         if (slot < hits.capacity) {
-            hits.candidates[static_cast<std::size_t>(ray_id) * hits.capacity + slot] = {
-                hit.t, hit.primitive};
+            hits.candidates[static_cast<std::size_t>(ray_id) * hits.capacity + slot] = hit;
         } else {
             atomic_max(&hits.faults->hits_needed, slot + 1);
         }
@@ -141,6 +140,26 @@ SCOTTY_DEVICE void record_hit(std::uint32_t ray_id, const reference::Hit& hit, c
     if (minimum.culls != 0) {
         atomic_min_distance(&minimum.lowered[ray_id], minimum.any_hit != 0 ? kDone : hit.t);
     }
+}
+
+/// What a ray's traversal starts from: no hits, and a minimum of t_max.
+SCOTTY_DEVICE void begin_ray(std::uint32_t ray_id, const reference::Ray& ray, const HitView& hits,
+                             const MinimumView& minimum) {
+    if (hits.packed_mode != 0) {
+        hits.packed[ray_id] = kNoPackedHit;
+    } else {
+        hits.counts[ray_id] = 0;
+    }
+    if (minimum.culls == 0) return;
+    minimum.minimum[ray_id] = ray.t_max;
+    if (minimum.lowered != minimum.minimum) minimum.lowered[ray_id] = ray.t_max;
+}
+
+/// What a ray is culled by in this launch; at the `first` it is not there to be read yet.
+SCOTTY_DEVICE float limit_of(std::uint32_t ray_id, const reference::Ray& ray, bool first,
+                             const MinimumView& minimum) {
+    if (minimum.culls == 0) return reference::kInfinity;
+    return first ? ray.t_max : load_relaxed(minimum.minimum + ray_id);
 }
 
 /// Closest hit of each ray of the block in one leaf; triangles come through shared memory.
@@ -174,7 +193,9 @@ intersect_leaf(const reference::Leaf& leaf, const reference::LeafTriangle* trian
         }
         SCOTTY_SYNC();
     }
-    if (reference::is_hit(best) && best.t <= limit) record_hit(ray_id, best, hits, minimum);
+    if (reference::is_hit(best) && best.t <= limit) {
+        record_hit(ray_id, {best.t, best.primitive}, hits, minimum);
+    }
     SCOTTY_RETURN;
 }
 
@@ -215,7 +236,7 @@ SCOTTY_KERNEL(intersect)
         if (active) {
             ray_id = level.queue[level.queue_offsets[node] + entry];
             ray = load_record(rays + ray_id);
-            if (minimum.culls != 0) limit = load_relaxed(minimum.minimum + ray_id);
+            limit = limit_of(ray_id, ray, false, minimum);
         }
         if (reference::is_leaf(node_ref)) {
             SCOTTY_AWAIT(intersect_leaf(bvh.leaves[reference::ref_index(node_ref)], bvh.triangles,

@@ -1,4 +1,5 @@
-/// Kernel: level 0. One node, and a queue that need not exist: ray ids are thread ids.
+/// Kernel: level 0, where traversals begin. One node, and a queue that need not exist: ray ids are
+/// thread ids.
 #pragma once
 
 #include "gpu/dialect.h"
@@ -10,7 +11,7 @@ namespace SCOTTY_DEVICE_NAMESPACE {
 template <int Width>
 SCOTTY_KERNEL(intersect_root)
 (BvhView<Width> bvh, const reference::Ray* rays, std::uint32_t ray_count, LevelView level,
- MinimumView minimum) {
+ HitView hits, MinimumView minimum) {
     SCOTTY_SHARED(IntersectShared<Width>, shared);
     if (level.faults->queue_needed != 0) SCOTTY_RETURN;
     load_node(bvh.inner[0], shared);
@@ -21,9 +22,8 @@ SCOTTY_KERNEL(intersect_root)
         std::uint32_t entered = 0;
         if (ray_id < ray_count) {
             const reference::Ray ray = load_record(rays + ray_id);
-            const float limit =
-                minimum.culls != 0 ? load_relaxed(minimum.minimum + ray_id) : reference::kInfinity;
-            entered = children_entered(shared.node, ray, limit);
+            begin_ray(ray_id, ray, hits, minimum);
+            entered = children_entered(shared.node, ray, limit_of(ray_id, ray, true, minimum));
         }
         SCOTTY_AWAIT(push_to_children(entered, ray_id, level, shared));
         SCOTTY_SYNC();

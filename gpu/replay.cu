@@ -11,6 +11,7 @@
 #include "gpu/filter_median.h"
 #include "gpu/intersect.h"
 #include "gpu/intersect_root.h"
+#include "gpu/intersect_subtrees.h"
 #include "gpu/launch_log.h"
 #include "gpu/merge_intersections.h"
 #include "gpu/pipeline_build.h"
@@ -280,7 +281,7 @@ void StageRun::level() {
                          scene_.parent_positions() + nodes.first_child,
                          node_counts.data(),
                          queue_offsets.data(),
-                         queue.data(),
+                         stage_.level == 0 ? nullptr : queue.data(),
                          block_offsets.data(),
                          child_counts.data(),
                          child_offsets.data(),
@@ -324,11 +325,14 @@ void StageRun::launch_level(const LevelView& view, const Array<Ray>& rays, const
                             const MinimumView& minimum, std::uint32_t blocks) {
     if (blocks == 0) return;
     const auto threads = static_cast<std::uint32_t>(parameters_.rays_per_block);
-    if (stage_.kind == StageKind::intersect_root) {
+    const bool strided = parameters_.block_order == reference::BlockOrder::strided;
+    if (scene_.has_subtrees() && stage_.level + 1 == bvh_.level_count()) {
+        SCOTTY_LAUNCH(intersect_subtrees<Width>, blocks, threads, nullptr, scene_.bvh<Width>(),
+                      rays.data(), view, hits, minimum, strided && stage_.level > 0);
+    } else if (stage_.kind == StageKind::intersect_root) {
         SCOTTY_LAUNCH(intersect_root<Width>, blocks, threads, nullptr, scene_.bvh<Width>(),
-                      rays.data(), static_cast<std::uint32_t>(rays.size()), view, minimum);
+                      rays.data(), static_cast<std::uint32_t>(rays.size()), view, hits, minimum);
     } else {
-        const bool strided = parameters_.block_order == reference::BlockOrder::strided;
         SCOTTY_LAUNCH(intersect<Width>, blocks, threads, nullptr, scene_.bvh<Width>(), rays.data(),
                       view, hits, minimum, strided);
     }

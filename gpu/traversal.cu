@@ -6,6 +6,7 @@
 #include "gpu/dialect.h"
 #include "gpu/intersect.h"
 #include "gpu/intersect_root.h"
+#include "gpu/intersect_subtrees.h"
 #include "gpu/merge_intersections.h"
 #include "gpu/publish_minimum.h"
 #include "gpu/scan_counts.h"
@@ -20,31 +21,39 @@ using reference::StagePlace;
 
 namespace {
 
-/// How many blocks of the level kernel the device holds at once.
-template <int Width>
-std::uint32_t resident_blocks(int rays_per_block) {
+/// How many blocks of a kernel the device holds at once.
+template <class Kernel>
+std::uint32_t resident_blocks(Kernel kernel, int rays_per_block) {
     int device = 0;
     int multiprocessors = 0;
     int a_multiprocessor = 0;
     check(cudaGetDevice(&device), "asking for the device");
     check(cudaDeviceGetAttribute(&multiprocessors, cudaDevAttrMultiProcessorCount, device),
           "asking for multiprocessors");
-    check(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&a_multiprocessor, intersect<Width>,
-                                                        rays_per_block, 0),
-          "asking for the occupancy of the level kernel");
+    check(
+        cudaOccupancyMaxActiveBlocksPerMultiprocessor(&a_multiprocessor, kernel, rays_per_block, 0),
+        "asking for the occupancy of the level kernel");
     return static_cast<std::uint32_t>(std::max(1, multiprocessors * a_multiprocessor));
 }
 
-std::uint32_t resident_blocks(int width, int rays_per_block) {
+/// Blocks of a launch of `intersect`, or of `intersect_subtrees`, whose work the host does not
+/// know. Rays of subtrees are unequal work, which blocks that start as others end even out.
+template <int Width>
+std::uint32_t level_blocks(bool subtrees, int rays_per_block) {
+    return subtrees ? kRoundsOfBlocks * resident_blocks(intersect_subtrees<Width>, rays_per_block)
+                    : resident_blocks(intersect<Width>, rays_per_block);
+}
+
+std::uint32_t level_blocks(int width, bool subtrees, int rays_per_block) {
     switch (width) {
         case 2:
-            return resident_blocks<2>(rays_per_block);
+            return level_blocks<2>(subtrees, rays_per_block);
         case 4:
-            return resident_blocks<4>(rays_per_block);
+            return level_blocks<4>(subtrees, rays_per_block);
         case 8:
-            return resident_blocks<8>(rays_per_block);
+            return level_blocks<8>(subtrees, rays_per_block);
         default:
-            return resident_blocks<16>(rays_per_block);
+            return level_blocks<16>(subtrees, rays_per_block);
     }
 }
 
@@ -56,7 +65,8 @@ Traversal::Traversal(const DeviceScene& scene, const reference::PipelineParamete
       parameters_(parameters),
       log_(log),
       stream_(stream),
-      resident_blocks_(resident_blocks(scene.width(), parameters.rays_per_block)),
+      level_blocks_(level_blocks(scene.width(), false, parameters.rays_per_block)),
+      subtree_blocks_(level_blocks(scene.width(), true, parameters.rays_per_block)),
       hit_capacity_(parameters.hit_capacity),
       node_counts_(budget),
       queue_offsets_(budget),
@@ -142,15 +152,10 @@ void Traversal::prepare(std::uint32_t count) {
 
 void Traversal::clear(const StagePlace& place) {
     discard_slots(candidates_.data(), candidates_.size() * sizeof(reference::HitCandidate));
-    check(cudaMemsetAsync(node_counts_.data(), 0, node_counts_.size() * 4, stream_),
-          "clearing queue lengths");
-    check(cudaMemsetAsync(scans_.data(), 0, scans_.size() * 8, stream_), "clearing scan tiles");
-    check(cudaMemsetAsync(faults_.data(), 0, sizeof(FaultView), stream_), "clearing fault flags");
-    check(cudaMemcpyAsync(node_counts_.data(), &count_, 4, cudaMemcpyHostToDevice, stream_),
-          "setting the root's queue length");
-    SCOTTY_LAUNCH(clear_traversal, item_blocks(count_), kItemThreads, stream_, count_, rays_,
-                  hit_view(), culls() ? minimum_.data() : nullptr,
-                  parameters_.early_out == EarlyOut::level ? lowered_.data() : nullptr);
+    const auto nodes = static_cast<std::uint32_t>(node_counts_.size());
+    const auto scans = static_cast<std::uint32_t>(scans_.size());
+    SCOTTY_LAUNCH(clear_traversal, item_blocks(std::max(nodes, scans)), kItemThreads, stream_,
+                  count_, nodes, node_counts_.data(), scans, scans_.data(), faults_.data());
     check(cudaGetLastError(), "clearing before " + place.name(StageKind::merge_intersections));
 }
 
@@ -165,7 +170,7 @@ bool Traversal::launch_level(const StagePlace& place) {
     if (log_.wants(StageKind::scan_counts)) show_scan(place, level);
     const StageKind kind = place.level == 0 ? StageKind::intersect_root : StageKind::intersect;
     discard_slots(child_queue_.data(), child_queue_.size() * 4);
-    log_.run(kind, place, resident_blocks_, place.level == 0 ? count_ : 0, stream_, [&] {
+    log_.run(kind, place, level_blocks_, place.level == 0 ? count_ : 0, stream_, [&] {
         switch (scene_.width()) {
             case 2:
                 launch_intersect<2>(place, level);
@@ -189,14 +194,18 @@ bool Traversal::launch_level(const StagePlace& place) {
 template <int Width>
 void Traversal::launch_intersect(const StagePlace& place, const LevelView& level) {
     const auto threads = static_cast<std::uint32_t>(parameters_.rays_per_block);
-    if (place.level == 0) {
+    const bool strided = parameters_.block_order == reference::BlockOrder::strided;
+    if (scene_.has_subtrees() && place.level + 1 == scene_.level_count()) {
+        SCOTTY_LAUNCH(intersect_subtrees<Width>, subtree_blocks_, threads, stream_,
+                      scene_.bvh<Width>(), rays_, level, hit_view(), minimum_view(),
+                      strided && place.level > 0);
+    } else if (place.level == 0) {
         const std::uint32_t blocks = (count_ + threads - 1) / threads;
-        SCOTTY_LAUNCH(intersect_root<Width>, std::min(blocks, resident_blocks_), threads, stream_,
-                      scene_.bvh<Width>(), rays_, count_, level, minimum_view());
+        SCOTTY_LAUNCH(intersect_root<Width>, std::min(blocks, level_blocks_), threads, stream_,
+                      scene_.bvh<Width>(), rays_, count_, level, hit_view(), minimum_view());
     } else {
-        const bool strided = parameters_.block_order == reference::BlockOrder::strided;
-        SCOTTY_LAUNCH(intersect<Width>, resident_blocks_, threads, stream_, scene_.bvh<Width>(),
-                      rays_, level, hit_view(), minimum_view(), strided);
+        SCOTTY_LAUNCH(intersect<Width>, level_blocks_, threads, stream_, scene_.bvh<Width>(), rays_,
+                      level, hit_view(), minimum_view(), strided);
     }
 }
 
@@ -261,7 +270,7 @@ LevelView Traversal::level_view(std::uint32_t level) const {
             scene_.parent_positions() + next,
             node_counts_.data() + first,
             queue_offsets_.data() + first + level,
-            queue_.data(),
+            level == 0 ? nullptr : queue_.data(),
             block_offsets_.data() + first + level,
             node_counts_.data() + next,
             queue_offsets_.data() + next + level + 1,

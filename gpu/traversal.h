@@ -63,7 +63,8 @@ class Traversal {
     const reference::PipelineParameters& parameters_;
     LaunchLog& log_;
     cudaStream_t stream_;
-    std::uint32_t resident_blocks_;  ///< of the level kernel, on the whole device
+    std::uint32_t level_blocks_;    ///< a launch of the level kernel
+    std::uint32_t subtree_blocks_;  ///< a launch of intersect_subtrees
 
     const reference::Ray* rays_ = nullptr;
     std::uint32_t count_ = 0;

@@ -18,6 +18,8 @@ struct BvhView {
     const reference::Leaf* leaves;
     const reference::LeafTriangle* triangles;
     const std::uint32_t* node_refs;
+    /// Leaves below the queues are in their parents: subtree_refs.h.
+    std::uint32_t packed_leaves = 0;
 };
 
 struct PathView {
@@ -57,7 +59,7 @@ struct HitView {
 struct MinimumView {
     std::uint32_t culls;  ///< 0: early-out off
     std::uint32_t any_hit;
-    const float* minimum;
+    float* minimum;
     float* lowered;  ///< the same array under `immediate`
 };
 

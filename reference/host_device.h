@@ -7,6 +7,8 @@
 
 #if defined(__CUDACC__)
 #define SCOTTY_HD __host__ __device__ inline
+#define SCOTTY_UNROLL _Pragma("unroll")  ///< before a loop whose arrays are to stay in registers
 #else
 #define SCOTTY_HD inline
+#define SCOTTY_UNROLL
 #endif

@@ -96,6 +96,7 @@ void validate(const PipelineParameters& p) {
             fmt::format("expected a multiple of 32 (whole warps), found {}", p.rays_per_block));
     }
     expect_int_range("triangles a leaf", p.max_leaf_size, 1, 64);
+    if (p.queue_levels != 0) expect_range("queue levels (0: all)", p.queue_levels, 1, 64);
     expect_range("hit capacity", p.hit_capacity, 1, 65536);
     expect_range("rays a batch", p.batch_rays, 1, 1u << 28);
 }

@@ -63,7 +63,7 @@ struct Leaf {
 };
 
 /// A triangle as the traversal reads it, in leaf order.
-struct LeafTriangle {
+struct alignas(8) LeafTriangle {
     Vec3 v0, v1, v2;
     std::uint32_t primitive;  ///< its index in the scene
 };

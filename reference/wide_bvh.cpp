@@ -2,7 +2,10 @@
 
 #include <xxhash.h>
 
+#include <algorithm>
 #include <cstddef>
+
+#include "reference/closest_in_subtree.h"
 
 namespace scotty::reference {
 namespace {
@@ -49,6 +52,20 @@ void add_inner(BvhHasher& hasher, const std::vector<WideNode<Width>>& inner) {
 std::uint32_t WideBvh::inner_count() const {
     return std::visit([](const auto& nodes) { return static_cast<std::uint32_t>(nodes.size()); },
                       inner);
+}
+
+BvhParameters bvh_parameters(const PipelineParameters& p, std::size_t threads) {
+    return {p.width, p.max_leaf_size, threads, p.queue_levels};
+}
+
+void cut_levels(WideBvh& bvh, std::uint32_t queue_levels) {
+    if (queue_levels == 0) return;
+    const std::uint32_t levels = bvh.level_count();
+    // An inner node leaves Width - 1 others waiting; the lowest level has leaves only.
+    const std::uint32_t depth = kSubtreeStack / static_cast<std::uint32_t>(bvh.width - 1);
+    const std::uint32_t least = levels > depth ? levels - depth : 0;
+    const std::uint32_t kept = std::max(queue_levels, least);
+    if (kept < levels) bvh.level_begins.resize(kept + 1);
 }
 
 std::uint64_t fingerprint(const WideBvh& bvh) {

@@ -13,6 +13,7 @@
 #include <variant>
 #include <vector>
 
+#include "reference/pipeline_parameters.h"
 #include "reference/records.h"
 #include "reference/scene.h"
 
@@ -22,7 +23,10 @@ struct BvhParameters {
     int width = 8;            ///< 2, 4, 8 or 16
     int max_leaf_size = 4;    ///< triangles a leaf, 1..64; fewer where that is cheaper, never more
     std::size_t threads = 0;  ///< 0: all. The result does not depend on it.
+    std::uint32_t queue_levels = 0;  ///< see cut_levels(); 0: all
 };
+
+BvhParameters bvh_parameters(const PipelineParameters& parameters, std::size_t threads);
 
 /// Throws bad_input naming the parameter.
 void validate(const BvhParameters& parameters);
@@ -34,16 +38,24 @@ struct WideBvh {
                  std::vector<WideNode<16>>>
         inner;
     std::vector<Leaf> leaves;
-    std::vector<LeafTriangle> triangles;      ///< in leaf order; each scene triangle exactly once
-    std::vector<std::uint32_t> node_refs;     ///< by node id: kLeafBit | leaf index, or inner index
-    std::vector<std::uint32_t> parents;       ///< by node id: the parent's id; kNone at the root
-    std::vector<std::uint32_t> level_begins;  ///< level l is ids [begins[l], begins[l + 1])
+    std::vector<LeafTriangle> triangles;   ///< in leaf order; each scene triangle exactly once
+    std::vector<std::uint32_t> node_refs;  ///< by node id: kLeafBit | leaf index, or inner index
+    std::vector<std::uint32_t> parents;    ///< by node id: the parent's id; kNone at the root
+    /// Level l is ids [begins[l], begins[l + 1]). Only levels that have queues are here: nodes from
+    /// the last entry on belong to subtrees that rays traverse depth first (cut_levels()).
+    std::vector<std::uint32_t> level_begins;
 
     std::uint32_t node_count() const { return static_cast<std::uint32_t>(node_refs.size()); }
     std::uint32_t level_count() const {
         return static_cast<std::uint32_t>(level_begins.size() - 1);
     }
     std::uint32_t inner_count() const;
+    /// Inner nodes of the last level are subtrees (cut_levels()): there are nodes below it.
+    bool has_subtrees() const { return level_begins.back() < node_count(); }
+    /// Rays in its queue are not pushed on: a leaf, or the root of a subtree (cut_levels()).
+    bool ends_queues(std::uint32_t node) const {
+        return is_leaf(node_refs[node]) || node >= level_begins[level_count() - 1];
+    }
 };
 
 /// Plain pointers into a WideBvh, for kernels.
@@ -65,6 +77,11 @@ WideBvhView<Width> view_of(const WideBvh& bvh) {
 /// always node 0; a scene that fits one leaf has a root that is an inner node with one child, so
 /// that level 0 is always one inner node. No limit on levels, nodes a level or leaf size.
 WideBvh build_wide_bvh(const Scene& scene, const BvhParameters& parameters);
+
+/// Leaves only the first `queue_levels` levels as levels: an inner node of the last one becomes a
+/// subtree that each of its rays traverses on its own (closest_in_subtree.h). Keeps as many more as
+/// it takes for a subtree to fit that traversal's stack; 0 keeps all.
+void cut_levels(WideBvh& bvh, std::uint32_t queue_levels);
 
 /// Hash of structure and boxes: equal on every run and for every thread count.
 std::uint64_t fingerprint(const WideBvh& bvh);

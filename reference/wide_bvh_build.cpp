@@ -178,7 +178,7 @@ WideBvh build_wide_bvh(const Scene& scene, const BvhParameters& parameters) {
     const int threads =
         parameters.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(parameters.threads);
     tbb::task_arena arena(threads);
-    return arena.execute([&] {
+    WideBvh bvh = arena.execute([&] {
         switch (parameters.width) {
             case 2:
                 return build<2>(scene, parameters.max_leaf_size);
@@ -190,6 +190,8 @@ WideBvh build_wide_bvh(const Scene& scene, const BvhParameters& parameters) {
                 return build<16>(scene, parameters.max_leaf_size);
         }
     });
+    cut_levels(bvh, parameters.queue_levels);
+    return bvh;
 }
 
 }  // namespace scotty::reference

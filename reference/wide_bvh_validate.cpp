@@ -62,9 +62,10 @@ bool check_sizes(const WideBvh& bvh, std::size_t inner_count, Violations& found)
         found.add("parents has {} entries, but there are {} nodes", bvh.parents.size(), nodes);
     }
     const auto& begins = bvh.level_begins;
-    if (begins.size() < 2 || begins.front() != 0 || begins.back() != nodes) {
-        found.add("level_begins has {} entries and does not run from 0 to {} nodes", begins.size(),
-                  nodes);
+    // Nodes below the levels are those of subtrees.
+    if (begins.size() < 2 || begins.front() != 0 || begins.back() > nodes) {
+        found.add("level_begins has {} entries and does not run from 0 to at most {} nodes",
+                  begins.size(), nodes);
     }
     for (std::size_t i = 1; i < begins.size(); ++i) {
         if (begins[i] <= begins[i - 1]) {
@@ -104,6 +105,11 @@ std::vector<std::uint32_t> levels_of(const WideBvh& bvh) {
         for (std::uint32_t id = bvh.level_begins[level]; id < bvh.level_begins[level + 1]; ++id) {
             levels[id] = level;
         }
+    }
+    // Below the levels: one more than the parent's, if that is a node before it.
+    for (std::uint32_t id = bvh.level_begins.back(); id < bvh.node_count(); ++id) {
+        const std::uint32_t parent = bvh.parents[id];
+        levels[id] = parent < id ? levels[parent] + 1 : kNone;
     }
     return levels;
 }
@@ -145,6 +151,13 @@ void check_links(const WideBvh& bvh, const std::vector<WideNode<Width>>& inner, 
             }
         }
         if (children == 0) found.add("node {}: has no children", id);
+    }
+    const std::uint32_t last = bvh.level_begins[bvh.level_count() - 1];
+    for (std::uint32_t id = bvh.level_begins.back(); id < bvh.node_count(); ++id) {
+        if (bvh.parents[id] < last) {
+            found.add("node {}: is below the levels, but its parent {} is above the last of them",
+                      id, bvh.parents[id]);
+        }
     }
     if (bvh.parents[0] != kNone)
         found.add("node 0: the root names {} as its parent", bvh.parents[0]);

@@ -70,8 +70,7 @@ class Bench {
     Bench(const reference::Scene& scene, const BenchSettings& settings)
         : scene_(scene),
           settings_(settings),
-          bvh_(build_wide_bvh(scene, {settings.parameters.width, settings.parameters.max_leaf_size,
-                                      settings.threads})),
+          bvh_(build_wide_bvh(scene, bvh_parameters(settings.parameters, settings.threads))),
           embree_(scene) {}
 
     BenchReport run() {

@@ -44,8 +44,8 @@ RendersByTurns render_by_turns(const reference::Scene& scene, const BenchSetting
     if (settings.threads != 0) {
         limit.emplace(tbb::global_control::max_allowed_parallelism, settings.threads);
     }
-    const reference::WideBvh bvh = build_wide_bvh(
-        scene, {settings.parameters.width, settings.parameters.max_leaf_size, settings.threads});
+    const reference::WideBvh bvh =
+        build_wide_bvh(scene, bvh_parameters(settings.parameters, settings.threads));
     emulation::Pipeline emulator(scene, bvh, settings.parameters, {settings.threads});
     const auto simt = simt::make_simt_pipeline(scene, bvh, settings.parameters, {settings.threads},
                                                nullptr, {.timings = true});

@@ -6,6 +6,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <string_view>
 
 #include "reference/error.h"
 #include "verify/capture_format.h"
@@ -37,6 +38,7 @@ void for_each_parameter(Parameters& p, Visit&& visit) {
     visit("width", p.width);
     visit("rays_per_block", p.rays_per_block);
     visit("max_leaf_size", p.max_leaf_size);
+    visit("queue_levels", p.queue_levels);
     visit("early_out", p.early_out);
     visit("block_order", p.block_order);
     visit("hit_mode", p.hit_mode);
@@ -67,6 +69,9 @@ void parse_word(const std::string& word, reference::Arithmetic& value) {
     value = reference::parse_arithmetic(word);
 }
 
+/// Not in files of before, and left out where it is 0: they stay as they are, byte for byte.
+bool was_added_later(std::string_view name) { return name == "queue_levels"; }
+
 /// Reads parameters and remembers which members were used.
 class ParameterReader {
  public:
@@ -76,6 +81,7 @@ class ParameterReader {
     template <class T>
     void operator()(const char* name, T& value) {
         known_.insert(name);
+        if (was_added_later(name) && !object_.contains(name)) return;
         if constexpr (std::is_enum_v<T>) {
             try {
                 parse_word(text_member(where_, object_, name), value);
@@ -113,6 +119,7 @@ ordered_json to_json(const PipelineParameters& parameters) {
         if constexpr (std::is_enum_v<std::decay_t<decltype(value)>>) {
             out[name] = reference::to_string(value);
         } else {
+            if (was_added_later(name) && value == 0) return;
             out[name] = value;
         }
     });

@@ -40,6 +40,7 @@ LeafHits expected_hits(const CheckState& state, const StageView& stage) {
     const EarlyOut policy = state.parameters.early_out;
     const std::uint32_t first_node = state.bvh.level_begins[stage.level];
     const auto nodes = state.bvh.level_begins[stage.level + 1] - first_node;
+    const bool has_children = stage.level + 1 < state.bvh.level_count();
     const auto& block_offsets = state.traversal.block_offsets;
     const auto per_block = static_cast<std::uint32_t>(state.parameters.rays_per_block);
     tbb::enumerable_thread_specific<std::vector<LeafHit>> found;
@@ -47,15 +48,22 @@ LeafHits expected_hits(const CheckState& state, const StageView& stage) {
         auto& local = found.local();
         for (std::uint32_t node = range.begin(); node != range.end(); ++node) {
             const std::uint32_t ref = state.bvh.node_refs[first_node + node];
-            if (!is_leaf(ref) || node >= counts.size() || node >= offsets.size()) continue;
+            const bool pushes = !is_leaf(ref) && has_children;
+            if (pushes || node >= counts.size() || node >= offsets.size()) continue;
             for (std::uint32_t p = 0; p < counts[node]; ++p) {
                 const std::size_t at = std::size_t{offsets[node]} + p;
-                if (at >= queue.size() || queue[at] >= rays.size()) break;  // check_queues' to tell
-                const std::uint32_t ray = queue[at];
+                // The root's queue is all rays. What is no ray id is check_queues' to tell.
+                const std::uint32_t ray =
+                    stage.level == 0 ? p : (at < queue.size() ? queue[at] : kNone);
+                if (ray >= rays.size()) break;
+                const float limit = ray < minimum.size() ? minimum[ray] : kInfinity;
                 const HitCandidate hit =
-                    closest_in_leaf(state.bvh, state.bvh.leaves[ref_index(ref)], rays[ray]);
+                    is_leaf(ref)
+                        ? closest_in_leaf(state.bvh, state.bvh.leaves[ref_index(ref)], rays[ray])
+                        : hit_of_subtree(state.bvh, ref_index(ref), rays[ray],
+                                         state.traversal.asks_any);
                 if (hit.primitive == kNone) continue;
-                const bool near = ray >= minimum.size() || !(hit.t > minimum[ray]);
+                const bool near = !(hit.t > limit);
                 if (!near && policy == EarlyOut::level) continue;
                 const std::uint32_t block =
                     (node < block_offsets.size() ? block_offsets[node] : 0u) + p / per_block;
@@ -159,7 +167,8 @@ void check_leaves(CheckState& state, const StageView& stage) {
     const auto rays = stage.get<Ray>("rays");
     const auto n = static_cast<std::uint32_t>(rays.size());
     const bool packed_mode = state.parameters.hit_mode == HitMode::packed;
-    const bool root = stage.level == 0;  // an inner node: it has no hits, and need not show any
+    // Where the root pushes its rays on it has no hits, and need not show any.
+    const bool root = stage.level == 0;
     if (root && stage.find(packed_mode ? "packed_hits" : "hit_counts") == nullptr) return;
     const TraversalState& traversal = state.traversal;
     const LeafHits expected = expected_hits(state, stage);

@@ -397,7 +397,8 @@ void check_queues(CheckState& state, const StageView& stage) {
     tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, nodes), [&](const auto& range) {
         Worker& worker = workers.local();
         for (std::uint32_t node = range.begin(); node != range.end(); ++node) {
-            if (is_leaf(state.bvh.node_refs[launch.first_node + node])) continue;
+            // Rays of a subtree are not pushed anywhere: check_leaves judges their hits.
+            if (children == 0 || is_leaf(state.bvh.node_refs[launch.first_node + node])) continue;
             NodeCheck(launch, node, worker).run();
         }
     });

@@ -60,8 +60,7 @@ int run_capture(const CaptureOptions& options) {
     input.parameters = options.parameters;
     Progress progress;
     progress.show("building the BVH");
-    input.bvh = build_wide_bvh(
-        input.scene, {input.parameters.width, input.parameters.max_leaf_size, options.threads});
+    input.bvh = build_wide_bvh(input.scene, bvh_parameters(input.parameters, options.threads));
 
     const std::string made_by = options.input_only ? "none" : backend.name;
     CaptureWriter writer(options.output,

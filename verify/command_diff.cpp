@@ -75,8 +75,7 @@ PipelineInput input_of_scene(const DiffCommand& options) {
     PipelineInput input;
     input.scene = load_scene_argument(options.a);
     input.parameters = options.parameters;
-    input.bvh = build_wide_bvh(
-        input.scene, {input.parameters.width, input.parameters.max_leaf_size, options.threads});
+    input.bvh = build_wide_bvh(input.scene, bvh_parameters(input.parameters, options.threads));
     return input;
 }
 

@@ -67,8 +67,8 @@ Image render(const RenderOptions& options, reference::Scene scene) {
     }
     progress.show("building the BVH");
     const Backend backend = chosen_backend(options.backend, options.threads, options.parameters);
-    reference::WideBvh bvh = build_wide_bvh(
-        scene, {options.parameters.width, options.parameters.max_leaf_size, options.threads});
+    reference::WideBvh bvh =
+        build_wide_bvh(scene, bvh_parameters(options.parameters, options.threads));
     const PipelineInput input{std::move(scene), std::move(bvh), options.parameters};
     ProgressObserver observer(progress, options.parameters);
     return backend.render(input, &observer);

@@ -52,9 +52,7 @@ std::vector<HitCandidate> trace_with_pipeline(const TraceOptions& options, const
     expect_arithmetic(backend, options.parameters);
     progress.show("building the BVH");
     const PipelineInput input{
-        scene,
-        build_wide_bvh(
-            scene, {options.parameters.width, options.parameters.max_leaf_size, options.threads}),
+        scene, build_wide_bvh(scene, bvh_parameters(options.parameters, options.threads)),
         options.parameters};
     progress.show("tracing");
     std::vector<Hit> hits(rays.rays.size());

@@ -52,6 +52,9 @@ std::vector<Factor> factors_of(const PipelineParameters& base, const Configurati
                     [](Configuration& c, int v) { c.parameters.width = v; }),
         factor<int>(filter.rays_per_block, {64, 32, 256, 1024},
                     [](Configuration& c, int v) { c.parameters.rays_per_block = v; }),
+        factor<std::uint32_t>(
+            filter.queue_levels, {0, 2},
+            [](Configuration& c, std::uint32_t v) { c.parameters.queue_levels = v; }),
         factor<EarlyOut>(filter.early_out, {EarlyOut::level, EarlyOut::off, EarlyOut::immediate},
                          [](Configuration& c, EarlyOut v) { c.parameters.early_out = v; }),
         factor<HitMode>(filter.hit_mode, {HitMode::buffer, HitMode::packed},
@@ -131,9 +134,11 @@ std::string Configuration::label() const {
     const std::string hits = p.hit_mode == HitMode::packed
                                  ? std::string("packed")
                                  : fmt::format("buffer of {}", p.hit_capacity);
+    const std::string levels =
+        p.queue_levels == 0 ? "" : fmt::format("{} queue levels, ", p.queue_levels);
     return fmt::format(
-        "width {}, {} rays a block, early-out {}, {}, {}, shadow {}, {}, batches of {}", p.width,
-        p.rays_per_block, to_string(p.early_out), hits, to_string(p.block_order),
+        "width {}, {} rays a block, {}early-out {}, {}, {}, shadow {}, {}, batches of {}", p.width,
+        p.rays_per_block, levels, to_string(p.early_out), hits, to_string(p.block_order),
         to_string(p.shadow_query), to_string(schedule), p.batch_rays);
 }
 
@@ -145,9 +150,9 @@ std::string picture_options(const PipelineParameters& p) {
 
 std::string pipeline_options(const PipelineParameters& p) {
     return fmt::format(
-        "--width {} --rays-per-block {} --early-out {} --hit-mode {} --block-order {} "
-        "--shadow-query {} --hit-capacity {} --batch-rays {}",
-        p.width, p.rays_per_block, to_string(p.early_out), to_string(p.hit_mode),
+        "--width {} --rays-per-block {} --queue-levels {} --early-out {} --hit-mode {} "
+        "--block-order {} --shadow-query {} --hit-capacity {} --batch-rays {}",
+        p.width, p.rays_per_block, p.queue_levels, to_string(p.early_out), to_string(p.hit_mode),
         to_string(p.block_order), to_string(p.shadow_query), p.hit_capacity, p.batch_rays);
 }
 
@@ -158,6 +163,7 @@ std::string Configuration::options() const {
 Configuration baseline_configuration(const PipelineParameters& base) {
     Configuration configuration{base, {}};
     configuration.parameters.width = 8;
+    configuration.parameters.queue_levels = 0;
     configuration.parameters.early_out = EarlyOut::off;
     configuration.parameters.hit_mode = HitMode::buffer;
     configuration.parameters.block_order = BlockOrder::linear;

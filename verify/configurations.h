@@ -32,6 +32,7 @@ struct Configuration {
 struct ConfigurationFilter {
     std::vector<int> widths;
     std::vector<int> rays_per_block;
+    std::vector<std::uint32_t> queue_levels;
     std::vector<reference::EarlyOut> early_out;
     std::vector<reference::HitMode> hit_mode;
     std::vector<reference::BlockOrder> block_order;
@@ -42,9 +43,10 @@ struct ConfigurationFilter {
     bool all = false;  ///< every combination of what is not restricted, too
 
     bool restricts() const {
-        return !(widths.empty() && rays_per_block.empty() && early_out.empty() &&
-                 hit_mode.empty() && block_order.empty() && shadow_query.empty() &&
-                 hit_capacity.empty() && batch_rays.empty() && schedule.empty());
+        return !(widths.empty() && rays_per_block.empty() && queue_levels.empty() &&
+                 early_out.empty() && hit_mode.empty() && block_order.empty() &&
+                 shadow_query.empty() && hit_capacity.empty() && batch_rays.empty() &&
+                 schedule.empty());
     }
 };
 

@@ -1,6 +1,10 @@
 #include "verify/expected.h"
 
+#include <algorithm>
+#include <bit>
+#include <utility>
 #include <variant>
+#include <vector>
 
 #include "reference/intersect_box.h"
 #include "reference/intersect_triangle.h"
@@ -56,6 +60,43 @@ HitCandidate closest_in_leaf(const WideBvh& bvh, const Leaf& leaf, const Ray& ra
         }
     }
     return best;
+}
+
+namespace {
+
+HitCandidate hit_below(const WideBvh& bvh, std::uint32_t inner_index, const Ray& ray,
+                       const RaySlabs& slabs, bool any) {
+    const NodeBoxes boxes = boxes_of(bvh, inner_index);
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> order;  // of entry, child
+    for (std::uint32_t c = 0; c < boxes.width; ++c) {
+        if (boxes.child[c] == kNone) continue;
+        const BoxInterval interval =
+            clip(intersect_box(slabs, boxes.low[c], boxes.high[c]), ray.t_min, ray.t_max);
+        if (overlaps(interval)) {
+            order.emplace_back(std::bit_cast<std::uint32_t>(interval.entry) / 16, c);
+        }
+    }
+    std::sort(order.begin(), order.end());
+    HitCandidate best{kInfinity, kNone};
+    for (const auto& [entry, c] : order) {
+        const std::uint32_t ref = bvh.node_refs[boxes.child[c]];
+        const HitCandidate hit = is_leaf(ref)
+                                     ? closest_in_leaf(bvh, bvh.leaves[ref_index(ref)], ray)
+                                     : hit_below(bvh, ref_index(ref), ray, slabs, any);
+        if (closer(hit.t, hit.primitive, best.t, best.primitive)) best = hit;
+        if (any && best.primitive != kNone) break;
+    }
+    return best;
+}
+
+}  // namespace
+
+HitCandidate hit_of_subtree(const WideBvh& bvh, std::uint32_t inner_index, const Ray& ray,
+                            bool any) {
+    const NodeBoxes root = boxes_of(bvh, inner_index);
+    const RaySlabs slabs = ray_slabs(ray.origin, safe_inverse(ray.direction),
+                                     box_pad(ray.origin, root.node_low, root.node_high));
+    return hit_below(bvh, inner_index, ray, slabs, any);
 }
 
 }  // namespace scotty::verify

@@ -38,4 +38,11 @@ ExpectedChildren expected_children(const NodeBoxes& node, const reference::Ray& 
 reference::HitCandidate closest_in_leaf(const reference::WideBvh& bvh, const reference::Leaf& leaf,
                                         const reference::Ray& ray);
 
+/// What a ray hits below an inner node of the last level that has queues: its closest hit, or with
+/// `any` the closest of the first leaf that has one, in the order of
+/// reference/closest_in_subtree.h. Every box that the ray overlaps is entered: nothing is culled by
+/// what has been hit.
+reference::HitCandidate hit_of_subtree(const reference::WideBvh& bvh, std::uint32_t inner_index,
+                                       const reference::Ray& ray, bool any);
+
 }  // namespace scotty::verify

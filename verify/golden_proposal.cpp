@@ -78,8 +78,7 @@ void propose_image(const GoldenCase& golden, const reference::Scene& scene,
 void propose_ledger(const GoldenCase& golden, reference::Scene scene,
                     const ProposalSettings& settings) {
     if (settings.progress) settings.progress(golden.name + ": stages of the ledger", 0, 1);
-    reference::WideBvh bvh =
-        build_wide_bvh(scene, {golden.ledger.width, golden.ledger.max_leaf_size, settings.threads});
+    reference::WideBvh bvh = build_wide_bvh(scene, bvh_parameters(golden.ledger, settings.threads));
     const TemporaryCapture capture(backend_named("emulator", settings.threads),
                                    {std::move(scene), std::move(bvh), golden.ledger});
     reference::write_file((settings.output / ledger_path(golden.name)).string(),

@@ -34,13 +34,12 @@ GoldenTruth read_golden(const std::filesystem::path& golden, const GoldenCase& g
 GoldenRun run_golden(const GoldenCase& golden_case, const reference::Scene& scene,
                      const Backend& backend, std::size_t threads) {
     PipelineInput input{scene, {}, golden_case.pipeline};
-    input.bvh =
-        build_wide_bvh(scene, {input.parameters.width, input.parameters.max_leaf_size, threads});
+    input.bvh = build_wide_bvh(scene, bvh_parameters(input.parameters, threads));
     GoldenRun run;
     run.image = measure_pipeline(backend, input);
     const reference::PipelineParameters& small = golden_case.ledger;
     input.parameters = small;
-    input.bvh = build_wide_bvh(scene, {small.width, small.max_leaf_size, threads});
+    input.bvh = build_wide_bvh(scene, bvh_parameters(small, threads));
     run.ledger = ledger_of(TemporaryCapture(backend, input).get());
     return run;
 }

@@ -113,6 +113,12 @@ void add_pipeline_options(CLI::App& command, PipelineParameters& p) {
         .add_option("--rays-per-block", p.rays_per_block, "threads a block: 32..1024, whole warps")
         ->capture_default_str()
         ->group(kPipeline);
+    command
+        .add_option("--queue-levels", p.queue_levels,
+                    "levels that have queues, 1..64; below them each ray goes on depth first. "
+                    "0: all have")
+        ->capture_default_str()
+        ->group(kPipeline);
     add_word(
         command, "--early-out", [&p](const std::string& w) { p.early_out = parse_early_out(w); },
         fmt::format("stop pushing rays on behind their nearest hit [{}]", to_string(p.early_out)),
@@ -157,6 +163,8 @@ void add_filter_options(CLI::App& command, ConfigurationFilter& filter) {
     add_list(command, "--width", filter.widths, integer("--width"), "children a node", "2,4,8,16");
     add_list(command, "--rays-per-block", filter.rays_per_block, integer("--rays-per-block"),
              "threads a block", "32..1024");
+    add_list(command, "--queue-levels", filter.queue_levels, count("--queue-levels"),
+             "levels that have queues, 0: all", "0,2,...");
     add_list(command, "--early-out", filter.early_out, reference::parse_early_out, "culling policy",
              "off,level,immediate");
     add_list(command, "--hit-mode", filter.hit_mode, reference::parse_hit_mode,

@@ -181,8 +181,8 @@ std::vector<NodeRow> Queues::nodes(const StageRecord& stage) const {
         row.first_block = queues.block_offsets[i];
         row.blocks = (row.count + stage.threads - 1) / stage.threads;
         const std::uint32_t ref = bvh_.node_refs[row.node];
-        row.leaf = reference::is_leaf(ref);
-        if (row.leaf) row.triangles = bvh_.leaves[reference::ref_index(ref)].count;
+        row.leaf = bvh_.ends_queues(row.node);
+        if (reference::is_leaf(ref)) row.triangles = bvh_.leaves[reference::ref_index(ref)].count;
         // Breadth-first: a node's children are neighbours in the level below.
         const auto begin = bvh_.parents.begin() + first_child;
         const auto range = std::equal_range(begin, bvh_.parents.end(), row.node);

@@ -43,13 +43,13 @@ struct LaunchRow {
 struct NodeRow {
     std::uint32_t node = 0;  ///< breadth-first id
     std::uint32_t parent = reference::kNone;
-    bool leaf = false;
+    bool leaf = false;              ///< or a subtree's root: rays are not pushed on
     std::uint32_t count = 0;        ///< entries that there are
     std::uint32_t claimed = 0;      ///< what the counter says: more where the queue overflowed
     std::uint32_t offset = 0;       ///< of its first entry in the buffer
     std::uint32_t first_block = 0;  ///< logical block of the launch
     std::uint32_t blocks = 0;
-    std::uint32_t triangles = 0;          ///< of a leaf
+    std::uint32_t triangles = 0;          ///< of a leaf, 0: no leaf
     std::vector<std::uint32_t> children;  ///< node ids, of an inner node
     std::vector<std::uint32_t> pushed;    ///< entries of each child's queue after the launch
 };

@@ -184,14 +184,24 @@ class Historian {
         visit.thread = visit.position % stage.threads;
         visit.minimum = at(state.get<float>("minimum"), history.ray);
         const std::uint32_t ref = bvh_.node_refs[visit.node];
-        visit.leaf = is_leaf(ref);
+        visit.leaf = bvh_.ends_queues(visit.node);
+        visit.subtree = visit.leaf && !is_leaf(ref);
         TraversalHistory& traversal = traversal_of(history, stage);
         if (traversal.ray && visit.leaf) {
-            visit.closest = closest_in_leaf(bvh_, bvh_.leaves[ref_index(ref)], *traversal.ray);
+            visit.closest =
+                visit.subtree
+                    ? hit_of_subtree(bvh_, ref_index(ref), *traversal.ray, asks_any(stage))
+                    : closest_in_leaf(bvh_, bvh_.leaves[ref_index(ref)], *traversal.ray);
         } else if (traversal.ray) {
             add_children(visit, *traversal.ray, history.ray, below);
         }
         traversal.visits.push_back(std::move(visit));
+    }
+
+    bool asks_any(const StageRecord& stage) const {
+        const auto& p = queues_.capture().header().parameters;
+        return stage.light != kNotApplicable && p.early_out != EarlyOut::off &&
+               p.shadow_query == ShadowQuery::any;
     }
 
     static std::uint64_t place_key(std::uint32_t node, std::uint32_t ray) {

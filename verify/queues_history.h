@@ -54,7 +54,8 @@ struct Visit {
     std::uint32_t launch = 0, level = 0, node = 0;
     std::uint32_t position = 0;  ///< in the node's queue
     std::uint32_t block = 0, thread = 0;
-    bool leaf = false;
+    bool leaf = false;                 ///< rays are not pushed on
+    bool subtree = false;              ///< that kind of leaf: each ray goes on depth first
     std::optional<float> minimum;      ///< that it was culled by; none without early-out
     std::vector<ChildVisit> children;  ///< of an inner node, in order of their ids
     LeafOutcome leaf_outcome = LeafOutcome::none;

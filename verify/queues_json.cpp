@@ -76,6 +76,7 @@ ordered_json document(const Visit& visit) {
                      {"level", visit.level},       {"node", visit.node},
                      {"position", visit.position}, {"block", visit.block},
                      {"thread", visit.thread},     {"minimum", json_number(visit.minimum)}};
+    if (visit.subtree) out["subtree"] = true;
     if (visit.leaf) {
         out["leaf"] = {{"outcome", to_string(visit.leaf_outcome)},
                        {"closest", visit.closest.primitive == kNone

@@ -58,9 +58,9 @@ std::string leaf_text(const Visit& visit) {
 }
 
 void tell(std::string& text, const Visit& visit) {
-    text +=
-        fmt::format("    level {} node {}{}: entry {}, block {} thread {}", visit.level, visit.node,
-                    visit.leaf ? " (leaf)" : "", visit.position, visit.block, visit.thread);
+    text += fmt::format("    level {} node {}{}: entry {}, block {} thread {}", visit.level,
+                        visit.node, visit.subtree ? " (subtree)" : (visit.leaf ? " (leaf)" : ""),
+                        visit.position, visit.block, visit.thread);
     if (visit.minimum) text += fmt::format(", minimum {}", exact(*visit.minimum));
     text += fmt::format("  [launch {}]\n", visit.launch);
     if (visit.leaf) {

@@ -149,15 +149,23 @@ Table launch_table(const std::string& title, const std::vector<LaunchRow>& rows)
     return table;
 }
 
+namespace {
+
+const char* kind_of(const NodeRow& node) {
+    return !node.leaf ? "inner" : node.triangles == 0 ? "subtree" : "leaf";
+}
+
+}  // namespace
+
 Table node_table(const std::string& title, const std::vector<NodeRow>& rows) {
     Table table{title,
                 {"node", "parent", "kind", "count", "offset", "first_block", "blocks", "triangles",
                  "children"},
                 {}};
     for (const NodeRow& node : rows) {
-        table.rows.push_back({node.node, json_id(node.parent), node.leaf ? "leaf" : "inner",
-                              node.claimed, node.offset, node.first_block, node.blocks,
-                              node.leaf ? ordered_json(node.triangles) : ordered_json(),
+        table.rows.push_back({node.node, json_id(node.parent), kind_of(node), node.claimed,
+                              node.offset, node.first_block, node.blocks,
+                              node.triangles != 0 ? ordered_json(node.triangles) : ordered_json(),
                               range_text(node.children, node.pushed)});
     }
     return table;
@@ -167,8 +175,8 @@ Table node_table(const std::string& title, const std::vector<NodePair>& rows) {
     Table table{
         title, {"node", "kind", "count_a", "count_b", "moved", "changed", "missing", "extra"}, {}};
     for (const NodePair& node : rows) {
-        table.rows.push_back({node.a.node, node.a.leaf ? "leaf" : "inner", node.a.claimed,
-                              node.b.claimed, node.moved, node.changed, node.missing, node.extra});
+        table.rows.push_back({node.a.node, kind_of(node.a), node.a.claimed, node.b.claimed,
+                              node.moved, node.changed, node.missing, node.extra});
     }
     return table;
 }

@@ -99,16 +99,15 @@ class SceneVerification {
         ++done_;
     }
 
-    /// Built once a width, and valid before anything is traced through it.
-    const reference::WideBvh& bvh_of(int width) {
-        auto& bvh = bvhs_[width];
+    /// Built once a width and cut, and valid before anything is traced through it.
+    const reference::WideBvh& bvh_of(const PipelineParameters& p) {
+        auto& bvh = bvhs_[{p.width, p.queue_levels}];
         if (bvh.width == 0) {
-            bvh = reference::build_wide_bvh(
-                scene_, {width, settings_.parameters.max_leaf_size, settings_.threads});
+            bvh = build_wide_bvh(scene_, bvh_parameters(p, settings_.threads));
             for (const std::string& fault : reference::validate(bvh, scene_)) {
                 Failure failure;
                 failure.invariant = "bvh";
-                failure.stage = fmt::format("BVH of width {}", width);
+                failure.stage = fmt::format("BVH of width {}", p.width);
                 failure.sentence = fault;
                 report_.bvh_failures.push_back(std::move(failure));
             }
@@ -134,9 +133,9 @@ class SceneVerification {
         return command;
     }
 
-    /// Scene and BVH are copied once a width.
+    /// Scene and BVH are copied once for each BVH.
     const PipelineInput& input_of(const reference::WideBvh& bvh, const PipelineParameters& p) {
-        PipelineInput& input = inputs_[p.width];
+        PipelineInput& input = inputs_[{p.width, p.queue_levels}];
         if (input.bvh.width == 0) input = {scene_, bvh, p};
         input.parameters = p;
         return input;
@@ -148,7 +147,7 @@ class SceneVerification {
         const auto start = Clock::now();
         const PipelineParameters& p = configuration.parameters;
         const emulation::DeviceOptions device = configuration.device(settings_.threads);
-        const reference::WideBvh& bvh = bvh_of(p.width);
+        const reference::WideBvh& bvh = bvh_of(p);
         Recording recording;
         Recorder recorder(p, recording);
         const Backend backend = backend_named(settings_.backend, device);
@@ -276,8 +275,7 @@ class SceneVerification {
         const Configuration baseline = baseline_configuration(settings_.parameters);
         const Backend backend =
             backend_named(settings_.backend, baseline.device(settings_.threads));
-        const PipelineInput& input =
-            input_of(bvh_of(baseline.parameters.width), baseline.parameters);
+        const PipelineInput& input = input_of(bvh_of(baseline.parameters), baseline.parameters);
         const auto trace = [&](std::span<const reference::Ray> rays,
                                std::span<reference::Hit> hits) {
             backend.trace(input, rays, reference::TraversalKind::closest, hits);
@@ -291,8 +289,8 @@ class SceneVerification {
     const reference::Scene& scene_;
     const VerifySettings& settings_;
     SceneReport report_;
-    std::map<int, reference::WideBvh> bvhs_;
-    std::map<int, PipelineInput> inputs_;
+    std::map<std::pair<int, std::uint32_t>, reference::WideBvh> bvhs_;
+    std::map<std::pair<int, std::uint32_t>, PipelineInput> inputs_;
     std::size_t done_ = 0;
     std::size_t steps_ = 0;
 };

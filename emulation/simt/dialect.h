@@ -38,6 +38,7 @@ namespace SCOTTY_DEVICE_NAMESPACE {
 
 constexpr std::uint32_t kWarpSize = emulation::simt::kLanes;
 constexpr std::uint32_t kWholeWarp = 0xffffffffu;
+constexpr std::uint32_t kRoundsOfBlocks = 1;  // a thread of the CPU takes block after block anyway
 
 inline void label_memory(const void* memory, const char* name) {
     emulation::simt::label_on_current_device(memory, name);
@@ -112,7 +113,7 @@ SCOTTY_DEVICE float bits_float(std::uint32_t bits) { return std::bit_cast<float>
 
 template <class Record>
 SCOTTY_DEVICE Record load_record(const Record* source) {
-    static_assert(sizeof(Record) % 16 == 0, "whole 16-byte loads");
+    static_assert(sizeof(Record) % 8 == 0, "whole 8-byte loads");
     return *source;
 }
 

@@ -47,12 +47,14 @@ inline reference::PipelineParameters tiny(std::uint32_t width, std::uint32_t hei
 /// A built-in scene in few pixels.
 inline reference::Image render(const std::string& scene, const reference::PipelineParameters& p,
                                const DeviceOptions& device = {}) {
-    return Pipeline(scene_named(scene), bvh_of(scene, p.width), p, device).render();
+    reference::WideBvh bvh = bvh_of(scene, p.width);
+    cut_levels(bvh, p.queue_levels);
+    return Pipeline(scene_named(scene), bvh, p, device).render();
 }
 
 inline reference::Image render(const reference::Scene& scene,
                                const reference::PipelineParameters& p) {
-    const reference::WideBvh bvh = reference::build_wide_bvh(scene, {p.width, p.max_leaf_size, 1});
+    const reference::WideBvh bvh = reference::build_wide_bvh(scene, bvh_parameters(p, 1));
     return Pipeline(scene, bvh, p).render();
 }
 

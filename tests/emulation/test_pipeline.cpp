@@ -91,8 +91,10 @@ TEST_CASE("pipeline: tree width and rays per block never change a bit of the ima
     }
 }
 
-TEST_CASE("pipeline: early-out, hit mode, block order, shadow query and capacity change no bit",
-          "[emulation][pipeline]") {
+TEST_CASE(
+    "pipeline: early-out, hit mode, block order, shadow query, capacity and queue levels "
+    "change no bit",
+    "[emulation][pipeline]") {
     for (const char* scene : {"cornell", "coil", "veil", "slivers"}) {
         check_same(scene, tiny(9, 7),
                    {[](auto& p) { p.early_out = EarlyOut::off; },
@@ -100,7 +102,13 @@ TEST_CASE("pipeline: early-out, hit mode, block order, shadow query and capacity
                     [](auto& p) { p.hit_mode = HitMode::packed; },
                     [](auto& p) { p.block_order = BlockOrder::strided; },
                     [](auto& p) { p.shadow_query = ShadowQuery::closest; },
-                    [](auto& p) { p.hit_capacity = 1; },
+                    [](auto& p) { p.hit_capacity = 1; }, [](auto& p) { p.queue_levels = 1; },
+                    [](auto& p) { p.queue_levels = 2; },
+                    [](auto& p) {
+                        p.queue_levels = 3;
+                        p.hit_mode = HitMode::packed;
+                        p.early_out = EarlyOut::immediate;
+                    },
                     [](auto& p) {
                         p.early_out = EarlyOut::off;
                         p.hit_capacity = 1;

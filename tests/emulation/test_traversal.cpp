@@ -32,7 +32,7 @@ std::vector<Hit> brute_force(const Scene& scene, const std::vector<Ray>& rays) {
 std::vector<Hit> trace(const Scene& scene, const std::vector<Ray>& rays,
                        const PipelineParameters& p, TraversalKind kind = TraversalKind::closest,
                        StageObserver* observer = nullptr, const DeviceOptions& device = {2}) {
-    const WideBvh bvh = build_wide_bvh(scene, {p.width, p.max_leaf_size, 1});
+    const WideBvh bvh = build_wide_bvh(scene, bvh_parameters(p, 1));
     std::vector<Hit> hits(rays.size());
     Pipeline(scene, bvh, p, device, observer).trace(rays, kind, hits);
     return hits;
@@ -57,6 +57,7 @@ PipelineParameters random_parameters(std::mt19937& random) {
     p.width = 2 << below(4);
     p.rays_per_block = static_cast<int>(32 * (1 + below(32)));
     p.max_leaf_size = static_cast<int>(1 + below(64));
+    p.queue_levels = below(5);
     p.early_out = static_cast<EarlyOut>(below(3));
     p.block_order = static_cast<BlockOrder>(below(2));
     p.hit_mode = static_cast<HitMode>(below(2));

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# fuzz.sh build            builds fuzz_files with the preset "fuzz" (clang and its libFuzzer)
+# fuzz.sh build [all]      builds fuzz_files with the preset "fuzz" (clang and its libFuzzer); all: the command line's, too
 # fuzz.sh short READER     a few thousand inputs, the same every time; what is found is left in build/fuzz/found/
-# fuzz.sh long SECONDS     every reader in turn, that long together; new inputs go to build/fuzz/inputs/
+# fuzz.sh long SECONDS     every reader that is built in turn, that long together; new inputs go to build/fuzz/inputs/
 # Exit codes: 0 nothing found, 77 no clang with libFuzzer here (fails with SCOTTY_REQUIRE_FUZZ=1).
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -18,18 +18,20 @@ if ! have_fuzzer; then
     [[ -z ${SCOTTY_REQUIRE_FUZZ:-} ]] && exit 77 || exit 1
 fi
 
+program() { [[ $1 == command_line ]] && echo "$build/bin/fuzz_command_line" || echo "$build/bin/fuzz_files"; }
+
 fuzz() { # READER NEW_INPUTS OPTION...
     local reader=$1 inputs=$2
     shift 2
     mkdir -p "$build/found" "$inputs"
-    SCOTTY_READER=$reader "$build/bin/fuzz_files" "${limits[@]}" -print_funcs=0 -artifact_prefix="$build/found/$reader-" "$@" \
+    SCOTTY_READER=$reader "$(program "$reader")" "${limits[@]}" -print_funcs=0 -artifact_prefix="$build/found/$reader-" "$@" \
         "$inputs" "$corpus/$reader" 2>&1 | grep -vE '^#|^INFO|^"|^Uncategorized|dictionary' | tail -n 40
 }
 
 case ${1:-} in
     build)
         cmake --preset fuzz >/dev/null
-        ninja -C "$build" fuzz_files | tail -n 5
+        ninja -C "$build" fuzz_files ${2:+fuzz_command_line} | tail -n 5
         ;;
     short)
         inputs=$(mktemp -d)
@@ -39,12 +41,14 @@ case ${1:-} in
         fuzz "$2" "$inputs" -seed=1 -runs=$runs
         ;;
     long)
-        readers=("$corpus"/*/)
-        for folder in "${readers[@]}"; do
+        readers=()
+        for folder in "$corpus"/*/; do
             reader=$(basename "$folder")
-            [[ $reader == command_line ]] && continue # a program of its own: fuzz_command_line
+            [[ -x $(program "$reader") ]] && readers+=("$reader")
+        done
+        for reader in "${readers[@]}"; do
             echo "$reader"
-            fuzz "$reader" "$build/inputs/$reader" -max_total_time=$(($2 / (${#readers[@]} - 1)))
+            fuzz "$reader" "$build/inputs/$reader" -max_total_time=$(($2 / ${#readers[@]}))
         done
         ;;
     *)

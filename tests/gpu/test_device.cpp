@@ -41,7 +41,7 @@ PipelineParameters small() {
 verify::PipelineInput input_of(const char* scene, const PipelineParameters& p) {
     verify::PipelineInput input;
     input.scene = scenes::load_scene(scene);
-    input.bvh = reference::build_wide_bvh(input.scene, {p.width, p.max_leaf_size, 0});
+    input.bvh = reference::build_wide_bvh(input.scene, bvh_parameters(p, 0));
     input.parameters = p;
     return input;
 }

@@ -342,8 +342,12 @@ TEST_CASE("validate: each broken invariant is named with node and element", "[re
         expect_violation("parents has", [](WideBvh& bvh, Nodes&) { bvh.parents.pop_back(); });
     }
     SECTION("levels end early") {
-        expect_violation("level_begins has",
+        expect_violation("is below the levels, but its parent",
                          [](WideBvh& bvh, Nodes&) { --bvh.level_begins.back(); });
+    }
+    SECTION("levels end late") {
+        expect_violation("level_begins has",
+                         [](WideBvh& bvh, Nodes&) { ++bvh.level_begins.back(); });
     }
     SECTION("empty level") {
         expect_violation("level 1 begins at node 1 and ends at 1",

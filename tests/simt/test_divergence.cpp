@@ -266,8 +266,8 @@ TEST_CASE(
     close(ends[0]);
     int status = 0;
     REQUIRE(waitpid(child, &status, 0) == child);
-    REQUIRE(WIFSIGNALED(status));
-    CHECK(WTERMSIG(status) == SIGSEGV);
+    // A sanitizer that sees the signal too ends the process itself.
+    CHECK((WIFSIGNALED(status) ? WTERMSIG(status) == SIGSEGV : WEXITSTATUS(status) != 0));
     CHECK(said ==
           "kernel writes_nowhere, block 2 (64 threads): thread 33 reached memory that is not "
           "there\n");

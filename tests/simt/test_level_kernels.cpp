@@ -195,7 +195,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("intersect_root: all rays by id, whether or not blocks take several turns",
+TEST_CASE("intersect_root: all rays by id, begun, whether or not blocks take several turns",
           "[simt][kernels]") {
     for (const std::uint32_t threads : {32u, 128u, 1024u}) {
         for (const SimtOptions& options : every_order()) {
@@ -203,10 +203,19 @@ TEST_CASE("intersect_root: all rays by id, whether or not blocks take several tu
             std::iota(level.queue.begin(), level.queue.end(), 0u);
             level.scan(threads);
             FaultView faults{};
+            Words counts(500, kPoison);
+            std::vector<float> minimum(500, -7.0f);
+            std::vector<float> lowered(500, -7.0f);
+            const HitView hits{0, 1, counts.data(), nullptr, nullptr, nullptr};
             const simt::BvhView<8> bvh{level.inner.data(), nullptr, nullptr, nullptr};
             Executor(options).launch("intersect_root", 2, threads, simt::intersect_root<8>, bvh,
-                                     level.rays.data(), 500u, level.cuda_view(faults),
-                                     MinimumView{});
+                                     level.rays.data(), 500u, level.cuda_view(faults), hits,
+                                     MinimumView{1, 0, minimum.data(), lowered.data()});
+            CHECK(counts == Words(500, 0));
+            for (std::size_t ray = 0; ray < 500; ++ray) {
+                CHECK(minimum[ray] == level.rays[ray].t_max);
+                CHECK(lowered[ray] == level.rays[ray].t_max);
+            }
             const auto pushed = level.pushed();
             for (std::size_t child = 0; child < pushed.size(); ++child) {
                 CHECK(sorted(level.queue_of(child)) == pushed[child]);
@@ -320,33 +329,22 @@ TEST_CASE(
     CHECK(counts == before);
 }
 
-TEST_CASE("clear_traversal: no hits, and minima of t_max, for every ray and no more",
+TEST_CASE("clear_traversal: all rays at the root, and zeros, as far as they go and no further",
           "[simt][kernels]") {
     for (const SimtOptions& options : every_order()) {
-        std::vector<Ray> rays = scotty::reference::test::random_rays(300, 1.5f, 9);
-        for (std::size_t i = 0; i < rays.size(); ++i) rays[i].t_max = static_cast<float>(i);
         Words counts(301, kPoison);
-        std::vector<std::uint64_t> packed(301, 5);
-        std::vector<float> minimum(301, -7.0f);
-        std::vector<float> lowered(301, -7.0f);
-        Executor executor(options);
-        HitView hits{0, 1, counts.data(), nullptr, packed.data(), nullptr};
-        executor.launch("clear_traversal", 2, 256, simt::clear_traversal, 300u, rays.data(), hits,
-                        minimum.data(), lowered.data());
-        CHECK(packed == std::vector<std::uint64_t>(301, 5));
-        hits.packed_mode = 1;
-        executor.launch("clear_traversal", 2, 256, simt::clear_traversal, 300u, rays.data(), hits,
-                        nullptr, nullptr);
-        for (std::size_t i = 0; i < 300; ++i) {
-            CHECK(counts[i] == 0);
-            CHECK(packed[i] == simt::kNoPackedHit);
-            CHECK(minimum[i] == rays[i].t_max);
-            CHECK(lowered[i] == rays[i].t_max);
-        }
-        CHECK(counts[300] == kPoison);
-        CHECK(packed[300] == 5);
-        CHECK(minimum[300] == -7.0f);
-        CHECK(lowered[300] == -7.0f);
+        std::vector<std::uint64_t> scans(501, 5);
+        FaultView faults{1, 2, 3};
+        Executor(options).launch("clear_traversal", 2, 256, simt::clear_traversal, 77u, 300u,
+                                 counts.data(), 500u, scans.data(), &faults);
+        Words expected(301, 0);
+        expected.front() = 77;
+        expected.back() = kPoison;
+        CHECK(counts == expected);
+        std::vector<std::uint64_t> zeros(501, 0);
+        zeros.back() = 5;
+        CHECK(scans == zeros);
+        CHECK(faults.hits_needed + faults.queue_needed + faults.node_overflow == 0);
     }
 }
 

@@ -119,15 +119,15 @@ void check_against_emulator(const std::string& scene, const PipelineParameters& 
                             const SimtOptions& options = {}) {
     INFO(scene << ", width " << p.width << ", " << p.rays_per_block << " rays a block, early-out "
                << to_string(p.early_out) << ", " << to_string(p.hit_mode) << ", shadow "
-               << to_string(p.shadow_query) << ", " << to_string(p.block_order));
+               << to_string(p.shadow_query) << ", " << to_string(p.block_order) << ", "
+               << p.queue_levels << " queue levels");
+    scotty::reference::WideBvh bvh = bvh_of(scene, p.width);
+    cut_levels(bvh, p.queue_levels);
     StageCopies stages;
     const Image expected =
-        scotty::emulation::Pipeline(scene_named(scene), bvh_of(scene, p.width), p, {}, &stages)
-            .render();
+        scotty::emulation::Pipeline(scene_named(scene), bvh, p, {}, &stages).render();
     Against against(stages, p);
-    const Image image =
-        make_simt_pipeline(scene_named(scene), bvh_of(scene, p.width), p, options, &against)
-            ->render();
+    const Image image = make_simt_pipeline(scene_named(scene), bvh, p, options, &against)->render();
     CHECK(against.differences() == "");
     CHECK(against.missing() == "");
     CHECK(differing_pixels(image, expected) == 0);
@@ -148,6 +148,7 @@ TEST_CASE("pipeline: every stage is the emulator's, for widths 2 to 16 and 32 to
                 p.shadow_query = row / 2 % 2 == 0 ? ShadowQuery::any : ShadowQuery::closest;
                 p.block_order = row / 3 % 2 == 0 ? BlockOrder::linear : BlockOrder::strided;
                 p.light_samples = static_cast<std::uint32_t>(row % 3);
+                p.queue_levels = static_cast<std::uint32_t>(row / 2 % 4);
                 check_against_emulator("spheres", p, order[row % order.size()]);
                 ++row;
             }

@@ -50,8 +50,7 @@ inline PipelineInput spheres_input(const reference::PipelineParameters& p) {
     static std::vector<std::unique_ptr<reference::WideBvh>> bvhs(17);
     auto& bvh = bvhs.at(static_cast<std::size_t>(p.width));
     if (!bvh) {
-        bvh = std::make_unique<reference::WideBvh>(
-            build_wide_bvh(scene, {p.width, p.max_leaf_size, 0}));
+        bvh = std::make_unique<reference::WideBvh>(build_wide_bvh(scene, bvh_parameters(p, 0)));
     }
     return {scene, *bvh, p};
 }

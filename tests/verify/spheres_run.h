@@ -18,7 +18,7 @@ inline const reference::Scene& spheres() {
 
 struct SpheresRun {
     explicit SpheresRun(const reference::PipelineParameters& p)
-        : parameters(p), bvh(build_wide_bvh(spheres(), {p.width, p.max_leaf_size, 0})) {
+        : parameters(p), bvh(build_wide_bvh(spheres(), bvh_parameters(p, 0))) {
         emulation::Pipeline(spheres(), bvh, parameters, {}, &stages).render();
     }
 

@@ -23,6 +23,7 @@ Result scotty(const std::string& arguments) { return run_scotty(arguments); }
 
 constexpr const char* kQuick =
     " --size 9x5 --spp 1 --bounces 1 --light-samples 1 --threads 1 --width 8 --rays-per-block 64 "
+    "--queue-levels 0 "
     "--schedule free";
 
 TEST_CASE("command: help and version go to standard output and pass", "[verify][cli]") {

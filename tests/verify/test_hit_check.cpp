@@ -41,7 +41,7 @@ const EmbreeTracer& embree() {
 }
 
 Recording record(const PipelineParameters& p) {
-    const WideBvh bvh = build_wide_bvh(spheres(), {p.width, p.max_leaf_size, 0});
+    const WideBvh bvh = build_wide_bvh(spheres(), bvh_parameters(p, 0));
     Recording recording;
     verify::Recorder recorder(p, recording);
     recording.image = emulation::Pipeline(spheres(), bvh, p, {}, &recorder).render();

@@ -29,8 +29,7 @@ PipelineParameters picture(std::uint32_t spp, std::uint64_t seed) {
 
 PipelineImage measure(const reference::Scene& scene, const PipelineParameters& p,
                       const Backend& backend = backend_named("emulator", 0)) {
-    return measure_pipeline(backend,
-                            {scene, build_wide_bvh(scene, {p.width, p.max_leaf_size, 0}), p});
+    return measure_pipeline(backend, {scene, build_wide_bvh(scene, bvh_parameters(p, 0)), p});
 }
 
 /// Largest |difference of means| in standard deviations, over squares of `side` pixels. What

@@ -84,6 +84,7 @@ TEST_CASE("verify: a right pipeline passes, and everything was looked at", "[ver
 
 TEST_CASE("verify: a lost ray leads to its launch, level, node, block and ray", "[verify][whole]") {
     VerifySettings settings = quick();
+    settings.filter.queue_levels = {0};
     settings.tamper = lose_a_ray("bounce0/level1/intersect", 2);
     const SceneReport scene = verify_scene(scenes::load_scene("spheres"), settings);
     CHECK_FALSE(scene.passed());

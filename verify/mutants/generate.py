@@ -19,7 +19,7 @@ import sys
 
 # What a fault's `run` is put into: one configuration of `scotty verify`, small.
 OPTIONS = {"--size": "24x18", "--spp": "1", "--bounces": "0", "--light-samples": "1", "--width": "8",
-           "--rays-per-block": "64", "--early-out": "off", "--hit-mode": "buffer", "--block-order": "linear",
+           "--rays-per-block": "64", "--queue-levels": "0", "--early-out": "off", "--hit-mode": "buffer", "--block-order": "linear",
            "--shadow-query": "closest", "--hit-capacity": "8", "--batch-rays": "262144", "--schedule": "free"}
 
 HERE = os.path.dirname(os.path.abspath(__file__))

@@ -58,16 +58,18 @@ class Tree {
       ++this.children[this.parents[node]];
     }
   }
-  isLeaf(node) { return this.triangles[node] > 0; }
+  isSubtree(node) { return this.children[node] > 0 && node >= this.levelBegins[this.levels - 1]; }
+  isLeaf(node) { return this.triangles[node] > 0 || this.isSubtree(node); } // rays are not pushed on
   level(node) { return this.levelBegins.findIndex((_, l) => node < this.levelBegins[l + 1]); }
-  childrenOf(node) { return Array.from({ length: this.children[node] }, (_, i) => this.firstChild[node] + i); }
+  below(node) { return Array.from({ length: this.children[node] }, (_, i) => this.firstChild[node] + i); }
+  childrenOf(node) { return this.isSubtree(node) ? [] : this.below(node); }
   box(node) { return this.boxes.subarray(6 * node, 6 * node + 6); }
   under(node, most) { // leaves below a node, or itself
     const leaves = [];
     for (const open = [node]; open.length > 0 && leaves.length < most;) {
       const next = open.pop();
-      if (this.isLeaf(next)) leaves.push(next);
-      else open.push(...this.childrenOf(next).reverse());
+      if (this.triangles[next] > 0) leaves.push(next);
+      else open.push(...this.below(next).reverse());
     }
     return leaves;
   }

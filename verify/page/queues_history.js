@@ -95,6 +95,7 @@ function visitDocument(run, k, node, position) {
   const ray = index.queue[entry];
   const number = run.side === 'b' ? launch.launch_b ?? launch.launch : launch.launch;
   const visit = { launch: number, stage: launch.name, level: launch.level, node, position, ...run.place(k, node, position), minimum: word(run.minimum(k, ray)) };
+  if (tree.isSubtree(node)) visit.subtree = true;
   if (tree.isLeaf(node)) visit.leaf = leafDocument(run, k, index, entry);
   else visit.children = childDocuments(run, k, index, entry, node, ray);
   return visit;

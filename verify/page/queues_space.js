@@ -75,7 +75,7 @@ class SpacePane {
     drawBox(box, ink.ink, 1.25);
     const rays = this.drawRays(context, ink, node, box, line, project, visit);
     this.note.textContent = 'drag to turn';
-    this.key.textContent = `Node ${node}${tree.isLeaf(node) ? ', a leaf' : `, its ${tree.children[node]} children`}${rays}`;
+    this.key.textContent = `Node ${node}${tree.isSubtree(node) ? ', a subtree' : tree.isLeaf(node) ? ', a leaf' : `, its ${tree.children[node]} children`}${rays}`;
   }
   visitOfSelected() {
     const { selection } = this;

@@ -91,7 +91,7 @@ class PageSelection {
   up() { if (this.node !== null && this.node > 0) this.select({ node: this.page.tree.parents[this.node] }); }
   down() {
     const { tree } = this.page;
-    if (this.node === null || tree.children[this.node] === 0) return;
+    if (this.node === null || tree.isLeaf(this.node)) return;
     const children = tree.childrenOf(this.node);
     const below = this.page.traversal(this.launch).find((k) => this.page.launches[k].level === tree.level(children[0]));
     if (below === undefined) return;

@@ -61,7 +61,7 @@ class TreePane {
       return element('span', { className: `bar ${run.side}`, style: `width: ${of > 0 && count !== null ? Math.min(100, (100 * count) / of) : 0}%` });
     });
     const [a, b] = [this.count(node, page.runs.a), page.runs.b && this.count(node, page.runs.b)];
-    const name = tree.isLeaf(node) ? `leaf of ${tree.triangles[node]}` : '';
+    const name = tree.isSubtree(node) ? 'subtree' : tree.isLeaf(node) ? `leaf of ${tree.triangles[node]}` : '';
     const differs = this.differs(node);
     return element('div', { className: 'node', role: 'treeitem', 'data-node': String(node), 'aria-level': String(depth + 1),
       'aria-selected': String(node === selection.node), style: `--depth: ${depth}`, title: differs > 0 ? `${differs} entries differ` : '' },

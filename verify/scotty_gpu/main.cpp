@@ -26,6 +26,7 @@ using reference::PipelineParameters;
 /// Overrides of what the input's parameters say; empty: as they are.
 struct Overrides {
     int rays_per_block = 0;
+    std::uint32_t queue_levels = 0;
     std::uint32_t batch_rays = 0;
     std::uint32_t hit_capacity = 0;
     std::string early_out, hit_mode, block_order, shadow_query, arithmetic;
@@ -33,6 +34,8 @@ struct Overrides {
 
 void add_overrides(CLI::App& command, Overrides& o) {
     command.add_option("--rays-per-block", o.rays_per_block, "Threads a block, 32..1024");
+    command.add_option("--queue-levels", o.queue_levels,
+                       "Levels that have queues; below them each ray goes on depth first");
     command.add_option("--batch-rays", o.batch_rays, "Rays in flight at once");
     command.add_option("--hit-capacity", o.hit_capacity, "Buffered hits a ray, at first");
     command.add_option("--early-out", o.early_out, "off, level or immediate");
@@ -42,7 +45,9 @@ void add_overrides(CLI::App& command, Overrides& o) {
     command.add_option("--arithmetic", o.arithmetic, "exact or fast");
 }
 
-void apply(const Overrides& o, PipelineParameters& p) {
+void apply(const Overrides& o, verify::PipelineInput& input) {
+    PipelineParameters& p = input.parameters;
+    if (o.queue_levels != 0) p.queue_levels = o.queue_levels;
     if (o.rays_per_block != 0) p.rays_per_block = o.rays_per_block;
     if (o.batch_rays != 0) p.batch_rays = o.batch_rays;
     if (o.hit_capacity != 0) p.hit_capacity = o.hit_capacity;
@@ -52,6 +57,7 @@ void apply(const Overrides& o, PipelineParameters& p) {
     if (!o.shadow_query.empty()) p.shadow_query = reference::parse_shadow_query(o.shadow_query);
     if (!o.arithmetic.empty()) p.arithmetic = reference::parse_arithmetic(o.arithmetic);
     reference::validate(p);
+    cut_levels(input.bvh, p.queue_levels);
 }
 
 int show_device() {
@@ -89,7 +95,7 @@ void print_timings(gpu::Pipeline& pipeline) {
 
 int run(const RunOptions& options) {
     verify::PipelineInput input = verify::read_pipeline_input(options.input);
-    apply(options.overrides, input.parameters);
+    apply(options.overrides, input);
     const gpu::PipelineOptions device{options.timings, options.memory_limit};
     reference::Image image;
     if (options.capture.empty()) {
@@ -150,7 +156,7 @@ int trace(const TraceOptions& options) {
     const auto kind = any ? reference::TraversalKind::any : reference::TraversalKind::closest;
     input.parameters.batch_rays = std::max<std::uint32_t>(
         input.parameters.batch_rays, static_cast<std::uint32_t>(rays.rays.size()));
-    apply(options.overrides, input.parameters);
+    apply(options.overrides, input);
 
     const auto pipeline = gpu::make_pipeline(input.scene, input.bvh, input.parameters);
     std::vector<reference::Hit> hits(rays.rays.size());
@@ -163,10 +169,12 @@ int trace(const TraceOptions& options) {
     }
     const double seconds = pipeline->time_trace(rays.rays, kind, options.repeats);
     std::printf(
-        "%s %s width %d rays-per-block %d early-out %s hit-mode %s: %zu rays, %.3f ms, %.1f "
+        "%s %s width %d rays-per-block %d queue-levels %u early-out %s hit-mode %s: %zu rays, %.3f "
+        "ms, %.1f "
         "Mrays/s\n",
         input.scene.name.c_str(), options.rays.c_str(), input.bvh.width,
-        input.parameters.rays_per_block, reference::to_string(input.parameters.early_out),
+        input.parameters.rays_per_block, input.parameters.queue_levels,
+        reference::to_string(input.parameters.early_out),
         reference::to_string(input.parameters.hit_mode), rays.rays.size(), 1e3 * seconds,
         1e-6 * static_cast<double>(rays.rays.size()) / seconds);
     return 0;

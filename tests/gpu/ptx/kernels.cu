@@ -8,6 +8,7 @@
 #include "gpu/filter_median.h"
 #include "gpu/intersect.h"
 #include "gpu/intersect_root.h"
+#include "gpu/intersect_subtrees.h"
 #include "gpu/merge_intersections.h"
 #include "gpu/primary_rays.h"
 #include "gpu/publish_minimum.h"
@@ -27,12 +28,20 @@ template __global__ void intersect<8>(BvhView<8>, const reference::Ray*, LevelVi
 template __global__ void intersect<16>(BvhView<16>, const reference::Ray*, LevelView, HitView,
                                        MinimumView, bool);
 template __global__ void intersect_root<2>(BvhView<2>, const reference::Ray*, std::uint32_t,
-                                           LevelView, MinimumView);
+                                           LevelView, HitView, MinimumView);
+template __global__ void intersect_subtrees<2>(BvhView<2>, const reference::Ray*, LevelView,
+                                               HitView, MinimumView, bool);
 template __global__ void intersect_root<4>(BvhView<4>, const reference::Ray*, std::uint32_t,
-                                           LevelView, MinimumView);
+                                           LevelView, HitView, MinimumView);
+template __global__ void intersect_subtrees<4>(BvhView<4>, const reference::Ray*, LevelView,
+                                               HitView, MinimumView, bool);
 template __global__ void intersect_root<8>(BvhView<8>, const reference::Ray*, std::uint32_t,
-                                           LevelView, MinimumView);
+                                           LevelView, HitView, MinimumView);
+template __global__ void intersect_subtrees<8>(BvhView<8>, const reference::Ray*, LevelView,
+                                               HitView, MinimumView, bool);
 template __global__ void intersect_root<16>(BvhView<16>, const reference::Ray*, std::uint32_t,
-                                            LevelView, MinimumView);
+                                            LevelView, HitView, MinimumView);
+template __global__ void intersect_subtrees<16>(BvhView<16>, const reference::Ray*, LevelView,
+                                                HitView, MinimumView, bool);
 
 }  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -60,7 +60,7 @@ verify::PipelineInput stack_input(const PipelineParameters& p, int triangles) {
                                       {0.0f, 90.0f, z});
     }
     input.parameters = p;
-    input.bvh = build_wide_bvh(input.scene, {p.width, p.max_leaf_size, 1});
+    input.bvh = build_wide_bvh(input.scene, bvh_parameters(p, 1));
     return input;
 }
 

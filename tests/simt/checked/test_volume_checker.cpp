@@ -242,7 +242,7 @@ TEST_CASE("volume checker: the pipeline itself gives it nothing to say",
         for (const HitMode mode : {HitMode::buffer, HitMode::packed}) {
             p.early_out = early_out;
             p.hit_mode = mode;
-            const WideBvh bvh = build_wide_bvh(scene, {p.width, p.max_leaf_size, 1});
+            const WideBvh bvh = build_wide_bvh(scene, bvh_parameters(p, 1));
             std::vector<Hit> hits(rays.size());
             for (const DeviceOptions& options : every_order()) {
                 Pipeline(scene, bvh, p, options).trace(rays, TraversalKind::closest, hits);

@@ -17,6 +17,9 @@
 
 #include <__clang_cuda_builtin_vars.h>
 
+struct alignas(8) float2 {
+    float x, y;
+};
 struct alignas(16) float4 {
     float x, y, z, w;
 };
@@ -63,6 +66,7 @@ __device__ inline unsigned __float_as_uint(float value) {
 }
 __device__ inline int __float_as_int(float value) { return __builtin_bit_cast(int, value); }
 __device__ inline float __uint_as_float(unsigned bits) { return __builtin_bit_cast(float, bits); }
+__device__ inline float2 __ldg(const float2* source) { return *source; }
 __device__ inline float4 __ldg(const float4* source) { return *source; }
 __device__ inline unsigned long long __umul64hi(unsigned long long a, unsigned long long b) {
     return static_cast<unsigned long long>((static_cast<unsigned __int128>(a) * b) >> 64);
