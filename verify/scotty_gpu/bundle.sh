@@ -5,8 +5,8 @@
 #   FOLDER/bundle.sh run             there: parity, then every configuration; captures keep their hashes only
 #   ./run gpu-bundle check FOLDER    here again, with what came back: every capture against a fresh emulator run
 #
-# Inputs are 24 x 17 pixels with 2 samples; the configurations are widths 2, 4, 8, 16, rays per block 64 and 256,
-# early-out off and level, both hit modes: 224 captures of the 7 built-in scenes.
+# Inputs are 24 x 17 pixels with 2 samples; the configurations are widths 2, 4, 8, 16, rays per block 64 with queues on
+# all levels and 256 with queues on two, early-out off and level, both hit modes: 224 captures of the 7 built-in scenes.
 set -euo pipefail
 
 picture=(--size 24x17 --spp 2)
@@ -29,14 +29,16 @@ run_bundle() {
     cd "$(dirname "${BASH_SOURCE[0]}")"
     ./scotty-gpu device
     ./scotty-gpu parity
-    local input block early mode name count=0
+    local input block levels early mode name count=0
     mkdir -p captures
     for input in inputs/*; do
         for block in 64 256; do
+            levels=0
+            [[ $block == 64 ]] || levels=2
             for early in off level; do
                 for mode in buffer packed; do
                     name=${input#inputs/}.$block.$early.$mode
-                    ./scotty-gpu run "$input" -o "captures/$name" --hashes-only --rays-per-block "$block" \
+                    ./scotty-gpu run "$input" -o "captures/$name" --hashes-only --rays-per-block "$block" --queue-levels $levels \
                         --early-out "$early" --hit-mode "$mode" >/dev/null
                     count=$((count + 1))
                 done
@@ -47,13 +49,15 @@ run_bundle() {
 }
 
 check_bundle() {
-    local scotty=$1 folder=$2 capture scene width block early mode good=0 bad=0
+    local scotty=$1 folder=$2 capture scene width block levels early mode good=0 bad=0
     mine=$(mktemp -d) # not local: the trap outlives the function
     trap 'rm -rf "$mine"' EXIT
     [[ -d $folder/captures ]] || { echo "$folder has no captures: run bundle.sh run on the machine with the GPU" >&2; exit 2; }
     for capture in "$folder"/captures/*; do
         IFS=. read -r scene width block early mode <<<"$(basename "$capture")"
-        "$scotty" capture "$scene" "${picture[@]}" --width "$width" --rays-per-block "$block" --early-out "$early" \
+        levels=0
+        [[ $block == 64 ]] || levels=2
+        "$scotty" capture "$scene" "${picture[@]}" --width "$width" --rays-per-block "$block" --queue-levels $levels --early-out "$early" \
             --hit-mode "$mode" -o "$mine/capture" 2>/dev/null
         if "$scotty" diff "$mine/capture" "$capture" >"$mine/diff.txt"; then
             good=$((good + 1))
