@@ -89,12 +89,19 @@ class PlyChecker {
         }
     }
 
-    /// Without its end; the file's end is a line's, too.
+    /// Without its end; the file's end is a line's, too. Control characters are refused: assimp
+    /// reads a name up to a zero byte, and then takes the data for something else.
     std::string next_line() {
         const std::size_t end = std::min(bytes_.find('\n', at_), bytes_.size());
         std::string line = bytes_.substr(at_, end - at_);
         at_ = std::min(end + 1, bytes_.size());
         if (!line.empty() && line.back() == '\r') line.pop_back();
+        const auto control = [](char c) { return (c >= 0 && c < ' ' && c != '\t') || c == 0x7f; };
+        const auto found = std::find_if(line.begin(), line.end(), control);
+        if (found != line.end()) {
+            fail("header",
+                 fmt::format("a byte that is no text: {:#04x}", static_cast<int>(*found)));
+        }
         return line;
     }
 

@@ -146,6 +146,8 @@ TEST_CASE("ply: what is wrong is named with its element", "[scenes][ply]") {
     fails("ply\nformat ascii 1.0\n", "header", "no end_header");
     fails("nonsense", "header", "'ply' first");
     fails("", "header", "'ply' first");
+    fails(std::string("ply\nformat ascii 1.0\nproperty uchar \0red\n", 41), "header",
+          "no text: 0x00");
     fails(tests::replaced(kPlyHeader, "ascii", "latin"), "header", "'latin'");
     fails(tests::replaced(kPlyHeader, "float x", "real x"), "header", "real x");
     fails(tests::replaced(kPlyHeader, "vertex 3", "vertex 0"), "header", "no vertices");
