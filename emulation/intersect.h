@@ -274,11 +274,13 @@ inline void intersect_leaf(const Block& block, std::uint32_t count, const refere
     });
 }
 
-/// The level kernel. `grid_side`: 0 for linear block order, else the side of the 2-D grid.
-template <int Width>
-void intersect(const Block& block, const reference::WideBvhView<Width>& bvh,
-               const reference::Ray* rays, const LevelView& level, const HitView& hits,
-               const MinimumView& minimum, std::uint32_t grid_side) {
+/// What both level kernels do: finds the block's rays, intersects a leaf with them, or hands them
+/// to `visit(inner, work, rays)`. `grid_side`: 0 for linear block order, else the side of the 2-D
+/// grid.
+template <int Width, class Visit>
+void visit_queue(const Block& block, const reference::WideBvhView<Width>& bvh,
+                 const reference::Ray* rays, const LevelView& level, const HitView& hits,
+                 const MinimumView& minimum, std::uint32_t grid_side, const Visit& visit) {
     const BlockWork work = find_work(block, level, grid_side);
     if (work.node == reference::kNone) return;
     const std::uint32_t node_ref = bvh.node_refs[level.first_node + work.node];
@@ -287,12 +289,23 @@ void intersect(const Block& block, const reference::WideBvhView<Width>& bvh,
     if (reference::is_leaf(node_ref)) {
         intersect_leaf(block, work.count, bvh.leaves[reference::ref_index(node_ref)], bvh.triangles,
                        rays, loaded, hits, minimum);
-        return;
+    } else {
+        visit(reference::ref_index(node_ref), work, loaded);
     }
-    const reference::WideNode<Width> node = bvh.inner[reference::ref_index(node_ref)];
-    PerThread<std::uint32_t> children;
-    test_children(block, work.count, node, loaded, children);
-    push_to_children(block, work.count, node, children, loaded, level);
+}
+
+/// The level kernel.
+template <int Width>
+void intersect(const Block& block, const reference::WideBvhView<Width>& bvh,
+               const reference::Ray* rays, const LevelView& level, const HitView& hits,
+               const MinimumView& minimum, std::uint32_t grid_side) {
+    visit_queue(block, bvh, rays, level, hits, minimum, grid_side,
+                [&](std::uint32_t inner, const BlockWork& work, const BlockRays& loaded) {
+                    const reference::WideNode<Width> node = bvh.inner[inner];
+                    PerThread<std::uint32_t> children;
+                    test_children(block, work.count, node, loaded, children);
+                    push_to_children(block, work.count, node, children, loaded, level);
+                });
 }
 
 }  // namespace scotty::emulation

@@ -32,24 +32,18 @@ template <int Width>
 void intersect_subtrees(const Block& block, const reference::WideBvhView<Width>& bvh,
                         const reference::Ray* rays, const LevelView& level, const HitView& hits,
                         const MinimumView& minimum, std::uint32_t grid_side) {
-    const BlockWork work = find_work(block, level, grid_side);
-    if (work.node == reference::kNone) return;
-    const std::uint32_t ref = bvh.node_refs[level.first_node + work.node];
-    BlockRays loaded;
-    load_rays(block, work, rays, level, minimum, loaded);
-    if (reference::is_leaf(ref)) {
-        intersect_leaf(block, work.count, bvh.leaves[reference::ref_index(ref)], bvh.triangles,
-                       rays, loaded, hits, minimum);
-        return;
-    }
     const bool any = minimum.policy != reference::EarlyOut::off && minimum.any_hit;
-    block.phase(work.count, [&](std::uint32_t thread) {
-        const reference::HitCandidate best = reference::closest_in_subtree<Width>(
-            SubtreeAccess<Width>{bvh}, ref, rays[loaded.id[thread]], loaded.limit[thread], any);
-        if (best.primitive != reference::kNone) {
-            record_hit(loaded.id[thread], best, hits, minimum);
-        }
-    });
+    visit_queue(block, bvh, rays, level, hits, minimum, grid_side,
+                [&](std::uint32_t inner, const BlockWork& work, const BlockRays& loaded) {
+                    block.phase(work.count, [&](std::uint32_t thread) {
+                        const reference::HitCandidate best = reference::closest_in_subtree<Width>(
+                            SubtreeAccess<Width>{bvh}, inner, rays[loaded.id[thread]],
+                            loaded.limit[thread], any);
+                        if (best.primitive != reference::kNone) {
+                            record_hit(loaded.id[thread], best, hits, minimum);
+                        }
+                    });
+                });
 }
 
 }  // namespace scotty::emulation

@@ -35,7 +35,7 @@ void launch_level(ReplayStage& run, std::uint32_t blocks, std::uint32_t grid_sid
     const reference::WideBvhView<Width> bvh = reference::view_of<Width>(run.bvh);
     const auto threads = static_cast<std::uint32_t>(run.parameters.rays_per_block);
     const auto ray_count = static_cast<std::uint32_t>(in.rays.size());
-    const bool subtrees = run.bvh.has_subtrees() && run.stage.level + 1 == run.bvh.level_count();
+    const bool subtrees = run.bvh.is_level_of_subtrees(run.stage.level);
     run.device.launch(blocks, threads, [&](const Block& block) {
         if (subtrees) {
             intersect_subtrees(block, bvh, in.rays.data(), level, hits, minimum, grid_side);

@@ -196,7 +196,7 @@ void Traversal::launch_level(std::uint32_t level, std::uint32_t blocks, std::uin
     const HitView hits = hit_view();
     const MinimumView minimum = minimum_view();
     const auto ray_count = static_cast<std::uint32_t>(rays_.size());
-    const bool subtrees = bvh_.has_subtrees() && level + 1 == bvh_.level_count();
+    const bool subtrees = bvh_.is_level_of_subtrees(level);
     device_.launch(blocks, threads, [&](const Block& block) {
         if (subtrees) {
             intersect_subtrees(block, bvh, rays_.data(), queues, hits, minimum, grid_side);

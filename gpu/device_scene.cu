@@ -24,7 +24,7 @@ DeviceScene::DeviceScene(const reference::Scene& scene, const reference::WideBvh
                          MemoryBudget& budget)
     : width_(bvh.width),
       level_begins_(bvh.level_begins),
-      node_count_(bvh.node_count()),
+      has_subtrees_(bvh.has_subtrees()),
       packed_leaves_(can_pack(bvh)),
       vertices_(budget),
       normals_(budget),
@@ -44,11 +44,19 @@ DeviceScene::DeviceScene(const reference::Scene& scene, const reference::WideBvh
     materials_.upload(scene.materials, "materials");
     lights_.upload(scene.lights, "lights");
     std::visit(
-        [&](auto nodes) {  // a copy: the host keeps ids
-            make_subtree_refs(bvh, packed_leaves_, nodes);
-            inner_.upload({reinterpret_cast<const std::uint8_t*>(nodes.data()),
-                           nodes.size() * sizeof(nodes[0])},
-                          "BVH nodes");
+        [&](const auto& nodes) {
+            const auto upload = [&](const auto& of) {
+                inner_.upload(
+                    {reinterpret_cast<const std::uint8_t*>(of.data()), of.size() * sizeof(of[0])},
+                    "BVH nodes");
+            };
+            if (!has_subtrees_) {
+                upload(nodes);
+                return;
+            }
+            auto with_refs = nodes;  // the host keeps ids
+            make_subtree_refs(bvh, packed_leaves_, with_refs);
+            upload(with_refs);
         },
         bvh.inner);
     leaves_.upload(bvh.leaves, "BVH leaves");

@@ -31,13 +31,15 @@ class DeviceScene {
     std::uint32_t level_nodes(std::uint32_t level) const {
         return level < level_count() ? level_begins_[level + 1] - level_begins_[level] : 0;
     }
-    /// Inner nodes of the last level are subtrees: there are nodes below it.
-    bool has_subtrees() const { return level_begins_.back() < node_count_; }
+    /// WideBvh::is_level_of_subtrees().
+    bool is_level_of_subtrees(std::uint32_t level) const {
+        return has_subtrees_ && level + 1 == level_count();
+    }
 
  private:
     int width_;
     std::vector<std::uint32_t> level_begins_;
-    std::uint32_t node_count_;
+    bool has_subtrees_;
     bool packed_leaves_;
     reference::SceneView view_;
     DeviceMemory<reference::Vec3> vertices_, normals_;

@@ -23,10 +23,10 @@ struct IntersectShared {
     reference::LeafTriangle triangles[kLeafChunk];
 };
 
+/// A thread's place: in the queue of which node, and which entry of it.
 struct BlockWork {
     std::uint32_t node;
-    std::uint32_t first;
-    std::uint32_t count;
+    std::uint32_t entry;
 };
 
 /// Smallest side of a square that holds `blocks`.
@@ -210,23 +210,43 @@ SCOTTY_DEVICE void load_node(const reference::WideNode<Width>& node,
     }
 }
 
+/// The level's blocks as they are launched: in line, or on a square that holds them.
+struct BlockGrid {
+    std::uint32_t total;
+    std::uint32_t side;  ///< 0: in line
+    std::uint32_t launched;
+};
+
+SCOTTY_DEVICE BlockGrid block_grid(const LevelView& level, bool strided) {
+    const std::uint32_t total = level.block_offsets[level.node_count];
+    const std::uint32_t side = strided ? side_of_grid(total) : 0;
+    return {total, side, strided ? side * side : total};
+}
+
+/// Logical index of a launched block; of idle ones no less than the total.
+SCOTTY_DEVICE std::uint32_t logical_block(const BlockGrid& grid, std::uint32_t launched) {
+    return grid.side == 0 ? launched : launched % grid.side * grid.side + launched / grid.side;
+}
+
+SCOTTY_COLLECTIVE(BlockWork) find_work(const LevelView& level, std::uint32_t block_id) {
+    const std::uint32_t node =
+        SCOTTY_AWAIT(find_node(level.block_offsets, level.node_count, block_id));
+    SCOTTY_RETURN BlockWork{node,
+                            (block_id - level.block_offsets[node]) * block_size() + thread_index()};
+}
+
 template <int Width>
 SCOTTY_KERNEL(intersect)
 (BvhView<Width> bvh, const reference::Ray* rays, LevelView level, HitView hits, MinimumView minimum,
  bool strided) {
     SCOTTY_SHARED(IntersectShared<Width>, shared);
-    const std::uint32_t total = level.block_offsets[level.node_count];
     if (level.faults->queue_needed != 0) SCOTTY_RETURN;  // the host grows the queue and retries
-    const std::uint32_t side = strided ? side_of_grid(total) : 0;
-    const std::uint32_t launched_blocks = strided ? side * side : total;
-    for (std::uint32_t launched = block_index(); launched < launched_blocks;
+    const BlockGrid grid = block_grid(level, strided);
+    for (std::uint32_t launched = block_index(); launched < grid.launched;
          launched += grid_size()) {
-        const std::uint32_t id = strided ? launched % side * side + launched / side : launched;
-        if (id >= total) continue;
-        const std::uint32_t node =
-            SCOTTY_AWAIT(find_node(level.block_offsets, level.node_count, id));
-        const std::uint32_t entry =
-            (id - level.block_offsets[node]) * block_size() + thread_index();
+        const std::uint32_t id = logical_block(grid, launched);
+        if (id >= grid.total) continue;
+        const auto [node, entry] = SCOTTY_AWAIT(find_work(level, id));
         const bool active = entry < level.node_counts[node];
         const std::uint32_t node_ref = bvh.node_refs[level.first_node + node];
 

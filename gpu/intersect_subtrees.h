@@ -37,20 +37,15 @@ template <int Width>
 SCOTTY_KERNEL(intersect_subtrees)
 (BvhView<Width> bvh, const reference::Ray* rays, LevelView level, HitView hits, MinimumView minimum,
  bool strided) {
-    const std::uint32_t total = level.block_offsets[level.node_count];
     if (level.faults->queue_needed != 0) SCOTTY_RETURN;
     const bool any = minimum.culls != 0 && minimum.any_hit != 0;
     const SubtreeAccess<Width> access{bvh};
-    const std::uint32_t side = strided ? side_of_grid(total) : 0;
-    const std::uint32_t launched_blocks = strided ? side * side : total;
-    for (std::uint32_t launched = block_index(); launched < launched_blocks;
+    const BlockGrid grid = block_grid(level, strided);
+    for (std::uint32_t launched = block_index(); launched < grid.launched;
          launched += grid_size()) {
-        const std::uint32_t id = strided ? launched % side * side + launched / side : launched;
-        if (id >= total) continue;
-        const std::uint32_t node =
-            SCOTTY_AWAIT(find_node(level.block_offsets, level.node_count, id));
-        const std::uint32_t entry =
-            (id - level.block_offsets[node]) * block_size() + thread_index();
+        const std::uint32_t id = logical_block(grid, launched);
+        if (id >= grid.total) continue;
+        const auto [node, entry] = SCOTTY_AWAIT(find_work(level, id));
         if (entry >= level.node_counts[node]) continue;
         const bool first = level.queue == nullptr;
         const std::uint32_t ray_id = first ? entry : level.queue[level.queue_offsets[node] + entry];

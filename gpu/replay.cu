@@ -326,7 +326,7 @@ void StageRun::launch_level(const LevelView& view, const Array<Ray>& rays, const
     if (blocks == 0) return;
     const auto threads = static_cast<std::uint32_t>(parameters_.rays_per_block);
     const bool strided = parameters_.block_order == reference::BlockOrder::strided;
-    if (scene_.has_subtrees() && stage_.level + 1 == bvh_.level_count()) {
+    if (bvh_.is_level_of_subtrees(stage_.level)) {
         SCOTTY_LAUNCH(intersect_subtrees<Width>, blocks, threads, nullptr, scene_.bvh<Width>(),
                       rays.data(), view, hits, minimum, strided && stage_.level > 0);
     } else if (stage_.kind == StageKind::intersect_root) {

@@ -195,7 +195,7 @@ template <int Width>
 void Traversal::launch_intersect(const StagePlace& place, const LevelView& level) {
     const auto threads = static_cast<std::uint32_t>(parameters_.rays_per_block);
     const bool strided = parameters_.block_order == reference::BlockOrder::strided;
-    if (scene_.has_subtrees() && place.level + 1 == scene_.level_count()) {
+    if (scene_.is_level_of_subtrees(place.level)) {
         SCOTTY_LAUNCH(intersect_subtrees<Width>, subtree_blocks_, threads, stream_,
                       scene_.bvh<Width>(), rays_, level, hit_view(), minimum_view(),
                       strided && place.level > 0);

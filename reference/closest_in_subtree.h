@@ -123,8 +123,8 @@ SCOTTY_HD void closest_in_leaf(const LeafTriangle* triangles, const Leaf& leaf, 
 }
 
 /// One ray on its way through a subtree: the closest hit below its root, or with `any` the closest
-/// of the first leaf that has one, at or before `limit`. An executor that runs rays side by side
-/// alternates enter_nodes() and intersect_leaves(), so that they meet at leaves.
+/// of the first leaf that has one, at or before `limit`. Nodes and leaves alternate in runs, so
+/// that rays that are traced side by side meet at leaves.
 ///
 /// `access` loads records, and knows what a child of a node is: Record load(const Record*),
 /// const WideNode<Width>* node(ref), child_ref(const WideNode<Width>*, child), Leaf leaf(ref),

@@ -50,8 +50,11 @@ struct WideBvh {
         return static_cast<std::uint32_t>(level_begins.size() - 1);
     }
     std::uint32_t inner_count() const;
-    /// Inner nodes of the last level are subtrees (cut_levels()): there are nodes below it.
+    /// There are nodes below the levels: inner nodes of the last one are subtrees (cut_levels()).
     bool has_subtrees() const { return level_begins.back() < node_count(); }
+    bool is_level_of_subtrees(std::uint32_t level) const {
+        return has_subtrees() && level + 1 == level_count();
+    }
     /// Rays in its queue are not pushed on: a leaf, or the root of a subtree (cut_levels()).
     bool ends_queues(std::uint32_t node) const {
         return is_leaf(node_refs[node]) || node >= level_begins[level_count() - 1];

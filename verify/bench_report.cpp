@@ -57,10 +57,13 @@ std::string heading(const BenchSubject& subject) {
     const auto& p = subject.parameters;
     return fmt::format(
         "{} ({} triangles), {}x{} pixels, {} spp, {} bounces, {} light samples\n"
-        "width {}, {} rays a block, early-out {}, {}, {}, shadow {}; {} threads, median of {}\n\n",
+        "width {}, {} rays a block, queue levels {}, early-out {}, {}, {}, shadow {}; {} threads, "
+        "median of {}\n\n",
         subject.scene, subject.triangles, p.image_width, p.image_height, p.spp, p.bounces,
-        p.light_samples, p.width, p.rays_per_block, to_string(p.early_out), to_string(p.hit_mode),
-        to_string(p.block_order), to_string(p.shadow_query), subject.threads, subject.repeats);
+        p.light_samples, p.width, p.rays_per_block,
+        p.queue_levels == 0 ? "all" : std::to_string(p.queue_levels), to_string(p.early_out),
+        to_string(p.hit_mode), to_string(p.block_order), to_string(p.shadow_query), subject.threads,
+        subject.repeats);
 }
 
 nlohmann::json subject_json(const BenchSubject& subject) {
@@ -74,6 +77,7 @@ nlohmann::json subject_json(const BenchSubject& subject) {
             {"seed", p.seed},
             {"width", p.width},
             {"rays_per_block", p.rays_per_block},
+            {"queue_levels", p.queue_levels},
             {"early_out", to_string(p.early_out)},
             {"hit_mode", to_string(p.hit_mode)},
             {"block_order", to_string(p.block_order)},
