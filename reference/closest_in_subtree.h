@@ -122,6 +122,13 @@ SCOTTY_HD void closest_in_leaf(const LeafTriangle* triangles, const Leaf& leaf, 
     }
 }
 
+/// Offsets that stay finite for a ray from however far away: the planes of a missing child are
+/// infinite, and must not meet an infinity of the other sign.
+SCOTTY_HD Vec3 saturated(const Vec3& offset) {
+    constexpr float kLargest = 3.402823466e38f;
+    return max_of(min_of(offset, Vec3(kLargest)), Vec3(-kLargest));
+}
+
 /// One ray on its way through a subtree: the closest hit below its root, or with `any` the closest
 /// of the first leaf that has one, at or before `limit`. Nodes and leaves alternate in runs, so
 /// that rays that are traced side by side meet at leaves.
@@ -163,6 +170,8 @@ struct SubtreeWalk {
                           Vec3(node.high[0], node.high[1], node.high[2]));
         }
         slabs = ray_slabs(ray.origin, safe_inverse(ray.direction), pad);
+        slabs.near_offset = saturated(slabs.near_offset);
+        slabs.far_offset = saturated(slabs.far_offset);
         shear = ray_shear(ray.direction);
     }
 

@@ -69,6 +69,25 @@ TEST_CASE("subtrees: the closest hit is brute force's, bit for bit, and no farth
     check_from_the_root<16>(scene, rays);
 }
 
+TEST_CASE("subtrees: a ray from so far away that its slabs overflow enters no missing child",
+          "[reference][subtrees]") {
+    const Scene scene = soup(5, 0.3f, 3);  // three slots of eight are empty
+    const WideBvh bvh = build_wide_bvh(scene, {8, 1, 1, 1});
+    const Access<8> access{view_of<8>(bvh)};
+    REQUIRE(access.node(0)->child[7] == kNone);
+    std::vector<Ray> rays;
+    for (const float sign : {-1.0f, 1.0f}) {
+        rays.push_back({Vec3(sign * 1.0e26f), 0.0f, Vec3(-sign * 1.0e-15f), kInfinity});
+        rays.push_back({Vec3(sign * 1.0e26f), 0.0f, Vec3(sign * 1.0e-15f), kInfinity});
+    }
+    std::vector<Hit> exact(rays.size());
+    brute_force_closest(scene, rays, exact);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        CHECK(closest_in_subtree<8>(access, 0, rays[i], kInfinity, false).primitive ==
+              exact[i].primitive);
+    }
+}
+
 TEST_CASE("subtrees: children are sorted by where they are entered, missed ones last",
           "[reference][subtrees]") {
     Random random(5);
