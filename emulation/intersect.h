@@ -239,9 +239,9 @@ inline void intersect_leaf(const Block& block, std::uint32_t count, const refere
                                   loaded.origin_z[thread]);
                 const reference::RayShear ray = shear_of(shear, thread);
                 const reference::EdgeFunctions e = reference::edge_functions(
-                    reference::shear(ray, reference::rotate_axes(triangle.v0 - origin, ray.kz),
-                                     reference::rotate_axes(triangle.v1 - origin, ray.kz),
-                                     reference::rotate_axes(triangle.v2 - origin, ray.kz)));
+                    reference::shear(ray, reference::swap_axes(triangle.v0 - origin, ray.kz),
+                                     reference::swap_axes(triangle.v1 - origin, ray.kz),
+                                     reference::swap_axes(triangle.v2 - origin, ray.kz)));
                 const float least = reference::min_of(reference::min_of(e.u, e.v), e.w);
                 const float most = reference::max_of(reference::max_of(e.u, e.v), e.w);
                 inside[thread] = static_cast<std::uint32_t>(!(least < 0.0f)) |

@@ -30,23 +30,39 @@ SCOTTY_DEVICE reference::HitCandidate closest_candidate(std::uint32_t ray_id, co
     return best;
 }
 
+/// Writes what comes of the closest candidate: its hit, barycentrics included, or none.
+SCOTTY_DEVICE void merge_hit(const reference::SceneView& scene, const reference::HitCandidate& best,
+                             const reference::Vec3& origin, const reference::Vec3& inverse,
+                             const reference::RayShear& shear, reference::Hit& merged) {
+    reference::Hit hit = reference::no_hit();
+    if (best.primitive != reference::kNone) {
+        const std::uint32_t* corner =
+            scene.triangles + 3 * static_cast<std::size_t>(best.primitive);
+        reference::intersect_triangle_line(origin, inverse, shear, scene.vertices[corner[0]],
+                                           scene.vertices[corner[1]], scene.vertices[corner[2]],
+                                           hit);
+        hit.primitive = best.primitive;
+    }
+    merged = hit;
+}
+
 SCOTTY_KERNEL(merge_intersections)
 (std::uint32_t count, reference::SceneView scene, const reference::Ray* rays, HitView hits,
  reference::Hit* merged) {
     const std::uint32_t ray_id = block_index() * block_size() + thread_index();
     if (ray_id >= count) SCOTTY_RETURN;
     const reference::HitCandidate best = closest_candidate(ray_id, hits);
-    reference::Hit hit = reference::no_hit();
-    if (best.primitive != reference::kNone) {
-        const reference::Ray ray = load_record(rays + ray_id);
-        const std::uint32_t* corner =
-            scene.triangles + 3 * static_cast<std::size_t>(best.primitive);
-        reference::intersect_triangle_line(
-            ray.origin, reference::safe_inverse(ray.direction), reference::ray_shear(ray.direction),
-            scene.vertices[corner[0]], scene.vertices[corner[1]], scene.vertices[corner[2]], hit);
-        hit.primitive = best.primitive;
-    }
-    merged[ray_id] = hit;
+    reference::Ray ray = reference::dead_ray();
+    if (best.primitive != reference::kNone) ray = load_record(rays + ray_id);
+    merge_hit(scene, best, ray.origin, reference::safe_inverse(ray.direction),
+              reference::ray_shear(ray.direction), merged[ray_id]);
 }
+
+/// Where traversal ends with its first launch: a ray's hit is final then, and there is no buffer
+/// between that launch and what would merge it. `merged` null: there is.
+struct FinalHits {
+    reference::SceneView scene;
+    reference::Hit* merged;
+};
 
 }  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -11,8 +11,8 @@
 #include "gpu/filter_median.h"
 #include "gpu/intersect.h"
 #include "gpu/intersect_root.h"
-#include "gpu/intersect_subtrees.h"
 #include "gpu/launch_log.h"
+#include "gpu/launch_subtrees.h"
 #include "gpu/merge_intersections.h"
 #include "gpu/pipeline_build.h"
 #include "gpu/primary_rays.h"
@@ -327,8 +327,9 @@ void StageRun::launch_level(const LevelView& view, const Array<Ray>& rays, const
     const auto threads = static_cast<std::uint32_t>(parameters_.rays_per_block);
     const bool strided = parameters_.block_order == reference::BlockOrder::strided;
     if (bvh_.is_level_of_subtrees(stage_.level)) {
-        SCOTTY_LAUNCH(intersect_subtrees<Width>, blocks, threads, nullptr, scene_.bvh<Width>(),
-                      rays.data(), view, hits, minimum, strided && stage_.level > 0);
+        launch_subtrees<Width>(
+            {scene_.bvh<Width>(), rays.data(), view, hits, minimum, strided && stage_.level > 0},
+            blocks, threads, FinalHits{scene_.view(), nullptr}, nullptr);
     } else if (stage_.kind == StageKind::intersect_root) {
         SCOTTY_LAUNCH(intersect_root<Width>, blocks, threads, nullptr, scene_.bvh<Width>(),
                       rays.data(), static_cast<std::uint32_t>(rays.size()), view, hits, minimum);

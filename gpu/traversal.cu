@@ -6,7 +6,7 @@
 #include "gpu/dialect.h"
 #include "gpu/intersect.h"
 #include "gpu/intersect_root.h"
-#include "gpu/intersect_subtrees.h"
+#include "gpu/launch_subtrees.h"
 #include "gpu/merge_intersections.h"
 #include "gpu/publish_minimum.h"
 #include "gpu/scan_counts.h"
@@ -36,24 +36,25 @@ std::uint32_t resident_blocks(Kernel kernel, int rays_per_block) {
     return static_cast<std::uint32_t>(std::max(1, multiprocessors * a_multiprocessor));
 }
 
-/// Blocks of a launch of `intersect`, or of `intersect_subtrees`, whose work the host does not
-/// know. Rays of subtrees are unequal work, which blocks that start as others end even out.
+/// Blocks of launches whose work the host does not know, by kernel.
 template <int Width>
-std::uint32_t level_blocks(bool subtrees, int rays_per_block) {
-    return subtrees ? kRoundsOfBlocks * resident_blocks(intersect_subtrees<Width>, rays_per_block)
-                    : resident_blocks(intersect<Width>, rays_per_block);
+LevelBlocks level_blocks(int rays_per_block) {
+    // Rays of subtrees are unequal work, which blocks that start as others end even out.
+    return {resident_blocks(intersect<Width>, rays_per_block),
+            kRoundsOfBlocks * resident_blocks(intersect_subtrees_any<Width>, rays_per_block),
+            kRoundsOfBlocks * resident_blocks(intersect_subtrees_closest<Width>, kPoolRays)};
 }
 
-std::uint32_t level_blocks(int width, bool subtrees, int rays_per_block) {
+LevelBlocks level_blocks(int width, int rays_per_block) {
     switch (width) {
         case 2:
-            return level_blocks<2>(subtrees, rays_per_block);
+            return level_blocks<2>(rays_per_block);
         case 4:
-            return level_blocks<4>(subtrees, rays_per_block);
+            return level_blocks<4>(rays_per_block);
         case 8:
-            return level_blocks<8>(subtrees, rays_per_block);
+            return level_blocks<8>(rays_per_block);
         default:
-            return level_blocks<16>(subtrees, rays_per_block);
+            return level_blocks<16>(rays_per_block);
     }
 }
 
@@ -65,8 +66,7 @@ Traversal::Traversal(const DeviceScene& scene, const reference::PipelineParamete
       parameters_(parameters),
       log_(log),
       stream_(stream),
-      level_blocks_(level_blocks(scene.width(), false, parameters.rays_per_block)),
-      subtree_blocks_(level_blocks(scene.width(), true, parameters.rays_per_block)),
+      level_blocks_(level_blocks(scene.width(), parameters.rays_per_block)),
       hit_capacity_(parameters.hit_capacity),
       node_counts_(budget),
       queue_offsets_(budget),
@@ -111,6 +111,7 @@ void Traversal::enqueue(const reference::Ray* rays, std::uint32_t count,
     rays_ = rays;
     count_ = count;
     kind_ = kind;
+    merged_ = merged;
     prepare(count);
     clear(place);
     for (std::uint32_t level = 0; level < scene_.level_count(); ++level) {
@@ -122,6 +123,7 @@ void Traversal::enqueue(const reference::Ray* rays, std::uint32_t count,
             if (std::all_of(counts.begin(), counts.end(), [](auto c) { return c == 0; })) break;
         }
         if (!launch_level(here)) return;  // run() grows what was too small
+        if (merges_itself()) return;
         if (parameters_.early_out == EarlyOut::level) launch_publish(here);
         swap(queue_, child_queue_);
     }
@@ -170,7 +172,7 @@ bool Traversal::launch_level(const StagePlace& place) {
     if (log_.wants(StageKind::scan_counts)) show_scan(place, level);
     const StageKind kind = place.level == 0 ? StageKind::intersect_root : StageKind::intersect;
     discard_slots(child_queue_.data(), child_queue_.size() * 4);
-    log_.run(kind, place, level_blocks_, place.level == 0 ? count_ : 0, stream_, [&] {
+    log_.run(kind, place, level_blocks_.queues, place.level == 0 ? count_ : 0, stream_, [&] {
         switch (scene_.width()) {
             case 2:
                 launch_intersect<2>(place, level);
@@ -196,16 +198,25 @@ void Traversal::launch_intersect(const StagePlace& place, const LevelView& level
     const auto threads = static_cast<std::uint32_t>(parameters_.rays_per_block);
     const bool strided = parameters_.block_order == reference::BlockOrder::strided;
     if (scene_.is_level_of_subtrees(place.level)) {
-        SCOTTY_LAUNCH(intersect_subtrees<Width>, subtree_blocks_, threads, stream_,
-                      scene_.bvh<Width>(), rays_, level, hit_view(), minimum_view(),
-                      strided && place.level > 0);
+        const MinimumView minimum = minimum_view();
+        std::uint32_t blocks = ends_with_any_hit(minimum) ? level_blocks_.subtrees_any
+                                                          : level_blocks_.subtrees_closest;
+        if (place.level == 0) {
+            const std::uint32_t at_once = subtree_threads(minimum, threads);
+            blocks = (count_ + at_once - 1) / at_once;
+        }
+        launch_subtrees<Width>(
+            {scene_.bvh<Width>(), rays_, level, hit_view(), minimum, strided && place.level > 0},
+            blocks, threads, FinalHits{scene_.view(), merges_itself() ? merged_ : nullptr},
+            stream_);
     } else if (place.level == 0) {
         const std::uint32_t blocks = (count_ + threads - 1) / threads;
-        SCOTTY_LAUNCH(intersect_root<Width>, std::min(blocks, level_blocks_), threads, stream_,
-                      scene_.bvh<Width>(), rays_, count_, level, hit_view(), minimum_view());
+        SCOTTY_LAUNCH(intersect_root<Width>, std::min(blocks, level_blocks_.queues), threads,
+                      stream_, scene_.bvh<Width>(), rays_, count_, level, hit_view(),
+                      minimum_view());
     } else {
-        SCOTTY_LAUNCH(intersect<Width>, level_blocks_, threads, stream_, scene_.bvh<Width>(), rays_,
-                      level, hit_view(), minimum_view(), strided);
+        SCOTTY_LAUNCH(intersect<Width>, level_blocks_.queues, threads, stream_, scene_.bvh<Width>(),
+                      rays_, level, hit_view(), minimum_view(), strided);
     }
 }
 

@@ -18,6 +18,12 @@
 
 namespace SCOTTY_DEVICE_NAMESPACE {
 
+/// Blocks of a launch, by kernel.
+struct LevelBlocks {
+    std::uint32_t queues;
+    std::uint32_t subtrees_any, subtrees_closest;
+};
+
 class Traversal {
  public:
     Traversal(const DeviceScene& scene, const reference::PipelineParameters& parameters,
@@ -57,18 +63,21 @@ class Traversal {
     LevelView level_view(std::uint32_t level) const;
     HitView hit_view() const;
     MinimumView minimum_view() const;
+    /// Without queues a ray's hit is final when its launch ends: nothing is buffered, and what
+    /// nobody looks at is not merged in a launch of its own.
+    bool merges_itself() const { return !log_.observed() && scene_.is_level_of_subtrees(0); }
     bool culls() const { return parameters_.early_out != reference::EarlyOut::off; }
 
     const DeviceScene& scene_;
     const reference::PipelineParameters& parameters_;
     LaunchLog& log_;
     cudaStream_t stream_;
-    std::uint32_t level_blocks_;    ///< a launch of the level kernel
-    std::uint32_t subtree_blocks_;  ///< a launch of intersect_subtrees
+    LevelBlocks level_blocks_;
 
     const reference::Ray* rays_ = nullptr;
     std::uint32_t count_ = 0;
     reference::TraversalKind kind_ = reference::TraversalKind::closest;
+    reference::Hit* merged_ = nullptr;
 
     std::size_t queue_capacity_ = 0;
     std::uint32_t hit_capacity_;

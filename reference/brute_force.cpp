@@ -56,9 +56,9 @@ struct PreparedRay {
 
 /// Lanes that outside() does not reject: all bits set.
 Mask candidates(const TrianglePack& pack, const Vec3& origin, const RayShear& shear) {
-    const int kx = next_axis(shear.kz);
-    const int ky = next_axis(kx);
     const int kz = shear.kz;
+    const int kx = kz == 0 ? 2 : 0;  // swap_axes()
+    const int ky = kz == 1 ? 2 : 1;
     const auto& [v0, v1, v2] = pack.vertex;
     const Floats az = v0[kz] - origin[kz];
     const Floats bz = v1[kz] - origin[kz];

@@ -72,6 +72,7 @@ SCOTTY_HD void visits_of(const WideNode<Width>* node, const RaySlabs& slabs, con
     using Planes = ChildPlanes<Width>;
     constexpr int kHigh = 3;  // low_x, low_y, low_z, high_x, ...
     const auto* planes = reinterpret_cast<const Planes*>(node->low_x);
+    const float last = min_number(ray.t_max, limit);
     float entry[Width];
     float exit[Width];
     SCOTTY_UNROLL
@@ -92,16 +93,15 @@ SCOTTY_HD void visits_of(const WideNode<Width>* node, const RaySlabs& slabs, con
         for (int child = 0; child < Width; ++child) {
             const float enters = fmaf(near.at[child], inverse, near_offset);
             const float leaves = fmaf(far.at[child], inverse, far_offset);
-            entry[child] = axis == 0 ? enters : max_of(entry[child], enters);
-            exit[child] = axis == 0 ? leaves : min_of(exit[child], leaves);
+            entry[child] = axis == 0 ? enters : max_number(entry[child], enters);
+            exit[child] = axis == 0 ? leaves : min_number(exit[child], leaves);
         }
     }
     SCOTTY_UNROLL
     for (int child = 0; child < Width; ++child) {
-        const BoxInterval interval = clip({entry[child], exit[child]}, ray.t_min, ray.t_max);
-        const bool entered = overlaps(interval) && interval.entry <= limit;
-        keys[child] =
-            entered ? visit_key(interval.entry, static_cast<std::uint32_t>(child)) : kNone;
+        const float enters = max_number(entry[child], ray.t_min);
+        const bool entered = enters <= min_number(exit[child], last);
+        keys[child] = entered ? visit_key(enters, static_cast<std::uint32_t>(child)) : kNone;
     }
 }
 
@@ -126,8 +126,25 @@ SCOTTY_HD void closest_in_leaf(const LeafTriangle* triangles, const Leaf& leaf, 
 /// infinite, and must not meet an infinity of the other sign.
 SCOTTY_HD Vec3 saturated(const Vec3& offset) {
     constexpr float kLargest = 3.402823466e38f;
-    return max_of(min_of(offset, Vec3(kLargest)), Vec3(-kLargest));
+    return max_number(min_number(offset, Vec3(kLargest)), Vec3(-kLargest));
 }
+
+/// A ray prepared for all boxes of a subtree: they are padded as the root's own is, which is more
+/// than each needs.
+template <int Width, class Access>
+SCOTTY_HD RaySlabs slabs_of_subtree(const Access& access, std::uint32_t root, const Ray& ray) {
+    float pad = 0.0f;
+    if (!is_leaf(root)) {
+        const WideNode<Width>& node = *access.node(root);
+        pad = box_pad(ray.origin, Vec3(node.low[0], node.low[1], node.low[2]),
+                      Vec3(node.high[0], node.high[1], node.high[2]));
+    }
+    const RaySlabs slabs = ray_slabs(ray.origin, safe_inverse(ray.direction), pad);
+    return {slabs.inverse, saturated(slabs.near_offset), saturated(slabs.far_offset)};
+}
+
+/// Where a ray enters its first box: never -0, since entries are ordered by their bits.
+SCOTTY_HD float first_entry(const Ray& ray) { return ray.t_min + 0.0f; }
 
 /// One ray on its way through a subtree: the closest hit below its root, or with `any` the closest
 /// of the first leaf that has one, at or before `limit`. Nodes and leaves alternate in runs, so
@@ -153,25 +170,17 @@ struct SubtreeWalk {
     std::uint32_t waiting;
     Waiting stack[kSubtreeStack];
 
-    /// All boxes are padded as the root's own is, which is more than each needs.
     template <class Access>
     SCOTTY_HD void begin(const Access& access, std::uint32_t root, const Ray& its_ray,
                          float its_limit, bool any_hit) {
         ray = its_ray;
+        ray.t_min = first_entry(ray);
         limit = its_limit;
         any = any_hit;
         best = {kInfinity, kNone};
         ref = root;
         waiting = 0;
-        float pad = 0.0f;
-        if (!is_leaf(root)) {
-            const WideNode<Width>& node = *access.node(root);
-            pad = box_pad(ray.origin, Vec3(node.low[0], node.low[1], node.low[2]),
-                          Vec3(node.high[0], node.high[1], node.high[2]));
-        }
-        slabs = ray_slabs(ray.origin, safe_inverse(ray.direction), pad);
-        slabs.near_offset = saturated(slabs.near_offset);
-        slabs.far_offset = saturated(slabs.far_offset);
+        slabs = slabs_of_subtree<Width>(access, root, ray);
         shear = ray_shear(ray.direction);
     }
 

@@ -38,10 +38,13 @@ SCOTTY_HD Vec3 safe_inverse(const Vec3& d) {
     return {safe_inverse(d.x), safe_inverse(d.y), safe_inverse(d.z)};
 }
 
+SCOTTY_HD Vec3 abs_of(const Vec3& a) { return {abs_of(a.x), abs_of(a.y), abs_of(a.z)}; }
+
 /// How far boxes inside [low, high] are padded for a ray from `origin`.
 SCOTTY_HD float box_pad(const Vec3& origin, const Vec3& low, const Vec3& high) {
-    const float reach = max_of(max_abs(low - origin), max_abs(high - origin));
-    return kBoxPad * max_of(reach, max_abs(origin));
+    const Vec3 reach = max_number(abs_of(low - origin), abs_of(high - origin));
+    const Vec3 far = max_number(reach, abs_of(origin));
+    return kBoxPad * max_number(max_number(far.x, far.y), far.z);
 }
 
 /// A ray prepared for the boxes of one node: plane distance t = fma(plane, inverse, offset).
@@ -80,12 +83,13 @@ SCOTTY_HD BoxInterval intersect_box(const RaySlabs& slabs, const Vec3& low, cons
     const float far_x = fmaf(px ? high.x : low.x, slabs.inverse.x, slabs.far_offset.x);
     const float far_y = fmaf(py ? high.y : low.y, slabs.inverse.y, slabs.far_offset.y);
     const float far_z = fmaf(pz ? high.z : low.z, slabs.inverse.z, slabs.far_offset.z);
-    return {max_of(max_of(near_x, near_y), near_z), min_of(min_of(far_x, far_y), far_z)};
+    return {max_number(max_number(near_x, near_y), near_z),
+            min_number(min_number(far_x, far_y), far_z)};
 }
 
 /// Cuts to the ray's own interval: overlap where entry <= exit.
 SCOTTY_HD BoxInterval clip(const BoxInterval& interval, float t_min, float t_max) {
-    return {max_of(interval.entry, t_min), min_of(interval.exit, t_max)};
+    return {max_number(interval.entry, t_min), min_number(interval.exit, t_max)};
 }
 
 /// True where a ray can have a hit inside: written so that NaN makes it false.

@@ -21,15 +21,12 @@ SCOTTY_HD float component(const Vec3& v, int axis) {
 }
 SCOTTY_HD int next_axis(int axis) { return axis == 2 ? 0 : axis + 1; }
 
-/// A vector with its axes rotated so that `kz` comes last: two selects each, no branch, so that
-/// loops over rays vectorise.
-SCOTTY_HD Vec3 rotate_axes(const Vec3& v, int kz) {
+/// A vector with axis `kz` and the last one swapped: four selects, no branch, so that loops over
+/// rays vectorise. It turns triangles over, which is nothing to a two-sided test.
+SCOTTY_HD Vec3 swap_axes(const Vec3& v, int kz) {
     const bool x_last = kz == 0;
     const bool y_last = kz == 1;
-    const float x = y_last ? v.z : v.x;
-    const float y = y_last ? v.x : v.y;
-    const float z = y_last ? v.y : v.z;
-    return {x_last ? v.y : x, x_last ? v.z : y, x_last ? v.x : z};
+    return {x_last ? v.z : v.x, y_last ? v.z : v.y, x_last ? v.x : (y_last ? v.y : v.z)};
 }
 
 /// The shear that maps a ray to the unit ray along z; computed once per ray.
@@ -43,7 +40,7 @@ SCOTTY_HD RayShear ray_shear(const Vec3& direction) {
     const float ay = abs_of(direction.y);
     const float az = abs_of(direction.z);
     const int kz = ax > ay ? (ax > az ? 0 : 2) : (ay > az ? 1 : 2);
-    const Vec3 d = rotate_axes(direction, kz);
+    const Vec3 d = swap_axes(direction, kz);
     return {kz, d.x / d.z, d.y / d.z, 1.0f / d.z};
 }
 
@@ -74,7 +71,7 @@ SCOTTY_HD EdgeFunctions edge_functions_exact_sign(const ShearedTriangle& s) {
             static_cast<float>(bx * ay - by * ax)};
 }
 
-/// `a`, `b`, `c`: vertices relative to the ray's origin, axes rotated.
+/// `a`, `b`, `c`: vertices relative to the ray's origin, axes swapped.
 SCOTTY_HD ShearedTriangle shear(const RayShear& ray, const Vec3& a, const Vec3& b, const Vec3& c) {
     return {a.x - ray.sx * a.z, a.y - ray.sy * a.z, b.x - ray.sx * b.z,
             b.y - ray.sy * b.z, c.x - ray.sx * c.z, c.y - ray.sy * c.z};
@@ -84,9 +81,9 @@ SCOTTY_HD ShearedTriangle shear(const RayShear& ray, const Vec3& a, const Vec3& 
 /// Returns false on a miss and leaves `hit` alone; the primitive id is the caller's.
 SCOTTY_HD bool intersect_triangle_line(const Vec3& origin, const Vec3& inverse, const RayShear& ray,
                                        const Vec3& v0, const Vec3& v1, const Vec3& v2, Hit& hit) {
-    const Vec3 a = rotate_axes(v0 - origin, ray.kz);
-    const Vec3 b = rotate_axes(v1 - origin, ray.kz);
-    const Vec3 c = rotate_axes(v2 - origin, ray.kz);
+    const Vec3 a = swap_axes(v0 - origin, ray.kz);
+    const Vec3 b = swap_axes(v1 - origin, ray.kz);
+    const Vec3 c = swap_axes(v2 - origin, ray.kz);
     const ShearedTriangle sheared = shear(ray, a, b, c);
     EdgeFunctions e = edge_functions(sheared);
     if (outside(e)) return false;
@@ -97,11 +94,12 @@ SCOTTY_HD bool intersect_triangle_line(const Vec3& origin, const Vec3& inverse, 
     const float determinant = e.u + e.v + e.w;
     if (!(abs_of(determinant) > 0.0f)) return false;
     const float scaled_t = e.u * (ray.sz * a.z) + e.v * (ray.sz * b.z) + e.w * (ray.sz * c.z);
-    const Vec3 low = min_of(min_of(v0, v1), v2);
-    const Vec3 high = max_of(max_of(v0, v1), v2);
+    const Vec3 low = min_number(min_number(v0, v1), v2);
+    const Vec3 high = max_number(max_number(v0, v1), v2);
     const BoxInterval box =
         intersect_box(ray_slabs(origin, inverse, box_pad(origin, low, high)), low, high);
-    const float t = clamp_to(scaled_t / determinant, box.entry, box.exit);
+    // A quotient that is NaN becomes the entry.
+    const float t = min_number(max_number(scaled_t / determinant, box.entry), box.exit);
     if (!(box.entry <= t && t <= box.exit)) return false;
     hit.t = t + 0.0f;  // -0 becomes +0: distances are ordered by their bits
     hit.u = e.v / determinant;

@@ -30,7 +30,25 @@ constexpr float kInfinity = __builtin_huge_valf();
 SCOTTY_HD float min_of(float a, float b) { return a < b ? a : b; }
 /// Maximum in fixed argument order: b when either is NaN.
 SCOTTY_HD float max_of(float a, float b) { return a > b ? a : b; }
-SCOTTY_HD float abs_of(float a) { return a < 0.0f ? -a : a; }
+SCOTTY_HD float abs_of(float a) { return fabsf(a); }
+
+/// IEEE 754's minimumNumber and maximumNumber, for values of which none is NaN: one instruction on
+/// a device, where a comparison and a selection are two. Of two zeros either may come back.
+SCOTTY_HD float min_number(float a, float b) {
+#if defined(__CUDA_ARCH__)
+    return fminf(a, b);
+#else
+    return min_of(a, b);
+#endif
+}
+SCOTTY_HD float max_number(float a, float b) {
+#if defined(__CUDA_ARCH__)
+    return fmaxf(a, b);
+#else
+    return max_of(a, b);
+#endif
+}
+
 SCOTTY_HD float clamp_to(float a, float low, float high) { return min_of(max_of(a, low), high); }
 
 SCOTTY_HD Vec3 min_of(const Vec3& a, const Vec3& b) {
@@ -38,6 +56,12 @@ SCOTTY_HD Vec3 min_of(const Vec3& a, const Vec3& b) {
 }
 SCOTTY_HD Vec3 max_of(const Vec3& a, const Vec3& b) {
     return {max_of(a.x, b.x), max_of(a.y, b.y), max_of(a.z, b.z)};
+}
+SCOTTY_HD Vec3 min_number(const Vec3& a, const Vec3& b) {
+    return {min_number(a.x, b.x), min_number(a.y, b.y), min_number(a.z, b.z)};
+}
+SCOTTY_HD Vec3 max_number(const Vec3& a, const Vec3& b) {
+    return {max_number(a.x, b.x), max_number(a.y, b.y), max_number(a.z, b.z)};
 }
 /// Largest magnitude of the three components.
 SCOTTY_HD float max_abs(const Vec3& a) {

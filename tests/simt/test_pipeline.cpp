@@ -1,9 +1,13 @@
 /// The CUDA pipeline on the executor against the emulator, stage by stage.
+#include <algorithm>
 #include <cstring>
 #include <map>
 
 #include "emulation/replay.h"
+#include "reference/tracers.h"
+#include "reference/wide_bvh.h"
 #include "tests/emulation/renders.h"
+#include "tests/reference/meshes.h"
 #include "tests/simt/executor_tools.h"
 #include "tests/verify/capture_tools.h"
 #include "verify/canonical.h"
@@ -229,6 +233,56 @@ TEST_CASE("pipeline: rays from elsewhere get brute force's hits", "[simt][pipeli
     }
     auto timed = make_simt_pipeline(scene, bvh_of("spheres", p.width), p, {}, nullptr, {true, 0});
     CHECK(timed->time_trace(rays, TraversalKind::closest, 3) > 0.0);
+}
+
+TEST_CASE("pipeline: without queues a traversal merges its own hits, unless somebody watches",
+          "[simt][pipeline]") {
+    class Watcher : public StageObserver {
+     public:
+        bool wants(StageKind) const override { return false; }
+        void on_stage(const StageView&) override {}
+    } watcher;
+    const Scene& scene = scene_named("spheres");
+    const std::vector<Ray> rays = scotty::reference::test::random_rays(300, 1.5f, 7);
+    PipelineParameters p = small_parameters();
+    p.queue_levels = 1;
+    scotty::reference::WideBvh bvh = bvh_of("spheres", p.width);
+    cut_levels(bvh, p.queue_levels);
+    for (const EarlyOut early_out : {EarlyOut::off, EarlyOut::level, EarlyOut::immediate}) {
+        p.early_out = early_out;
+        for (const TraversalKind kind : {TraversalKind::closest, TraversalKind::any}) {
+            const auto merges = [&](StageObserver* observer, std::vector<Hit>& hits) {
+                auto pipeline = make_simt_pipeline(scene, bvh, p, {}, observer);
+                pipeline->trace(rays, kind, hits);
+                return std::any_of(pipeline->launches().begin(), pipeline->launches().end(),
+                                   [](const auto& launch) {
+                                       return launch.kind == StageKind::merge_intersections;
+                                   });
+            };
+            std::vector<Hit> alone(rays.size()), watched(rays.size());
+            CHECK_FALSE(merges(nullptr, alone));
+            CHECK(merges(&watcher, watched));
+            CHECK(scotty::emulation::test::same_bits(alone, watched));
+            CHECK(std::any_of(alone.begin(), alone.end(),
+                              [](const Hit& hit) { return is_hit(hit); }));
+        }
+    }
+}
+
+TEST_CASE("pipeline: a warp's pool that is full takes fewer visits at once", "[simt][pipeline]") {
+    // Every ray enters almost every box, and there is nothing to cull by before the first leaf.
+    const Scene scene = scotty::reference::test::soup(3000, 3.0f, 11);
+    const std::vector<Ray> rays = scotty::reference::test::random_rays(64, 0.5f, 12);
+    PipelineParameters p = small_parameters();
+    p.early_out = EarlyOut::off;
+    std::vector<Hit> expected(rays.size()), hits(rays.size());
+    scotty::reference::brute_force_closest(scene, rays, expected);
+    for (const int width : {2, 8, 16}) {
+        p.width = width;
+        const auto bvh = scotty::reference::build_wide_bvh(scene, {width, 1, 1, 1});
+        make_simt_pipeline(scene, bvh, p, {})->trace(rays, TraversalKind::closest, hits);
+        CHECK(scotty::emulation::test::same_bits(hits, expected));
+    }
 }
 
 TEST_CASE("stages alone: every kernel makes of the emulator's inputs what the emulator makes",
