@@ -74,6 +74,7 @@ class Pipeline::State {
     std::size_t device_bytes() const;
 
  private:
+    void render_batch(StagePlace place, const BatchView& batch);
     void shade_vertex(StagePlace place);
     void launch_primary_rays(const StagePlace& place, const BatchView& batch);
     void launch_direct_light(const StagePlace& place);
@@ -110,10 +111,12 @@ class Pipeline::State {
 
 reference::Image Pipeline::State::render() {
     const std::uint32_t pixels = parameters_.image_width * parameters_.image_height;
-    const std::uint32_t samples = std::min(parameters_.spp, parameters_.batch_rays);
+    const std::uint32_t spp = parameters_.spp;
+    const std::uint32_t pass_samples = reference::samples_of_pass(parameters_);
+    const std::uint32_t samples = std::min(pass_samples, parameters_.batch_rays);
     const std::uint32_t pixels_at_once =
         std::max(1u, std::min(pixels, parameters_.batch_rays / samples));
-    several_batches_ = pixels_at_once < pixels || samples < parameters_.spp;
+    several_batches_ = pixels_at_once < pixels || samples < spp;
     reference::require_memory(  // as the device has it, filtered, and as it is handed out
         std::uint64_t{3} * sizeof(Vec3) * pixels,
         fmt::format("the image of {}x{} pixels", parameters_.image_width, parameters_.image_height),
@@ -123,18 +126,14 @@ reference::Image Pipeline::State::render() {
 
     StagePlace place;
     place.several_batches = several_batches_;
-    for (std::uint32_t pixel = 0; pixel < pixels; pixel += pixels_at_once) {
-        for (std::uint32_t sample = 0; sample < parameters_.spp; sample += samples) {
-            const BatchView batch{pixel, std::min(pixels_at_once, pixels - pixel), sample,
-                                  std::min(samples, parameters_.spp - sample)};
-            resize(std::size_t{batch.pixels} * batch.samples);
-            launch_primary_rays(place, batch);
-            place.bounce = 0;
-            traversal_.run(rays_.view(), TraversalKind::closest, place, path_hits_.span());
-            for (; place.bounce <= parameters_.bounces; ++place.bounce) shade_vertex(place);
-            place.bounce = reference::kNotApplicable;
-            launch_reconstruct(place, batch);
-            ++place.batch;
+    for (std::uint32_t pass = 0; pass < spp; pass += pass_samples) {
+        const std::uint32_t pass_end = std::min(spp, pass + pass_samples);
+        for (std::uint32_t pixel = 0; pixel < pixels; pixel += pixels_at_once) {
+            for (std::uint32_t sample = pass; sample < pass_end; sample += samples) {
+                render_batch(place, {pixel, std::min(pixels_at_once, pixels - pixel), sample,
+                                     std::min(samples, pass_end - sample)});
+                ++place.batch;
+            }
         }
     }
     if (parameters_.filter != Filter::none && parameters_.spp < parameters_.filter_threshold) {
@@ -142,6 +141,16 @@ reference::Image Pipeline::State::render() {
     }
     return {parameters_.image_width, parameters_.image_height,
             std::vector<Vec3>(image_.view().begin(), image_.view().end())};
+}
+
+void Pipeline::State::render_batch(StagePlace place, const BatchView& batch) {
+    resize(std::size_t{batch.pixels} * batch.samples);
+    launch_primary_rays(place, batch);
+    place.bounce = 0;
+    traversal_.run(rays_.view(), TraversalKind::closest, place, path_hits_.span());
+    for (; place.bounce <= parameters_.bounces; ++place.bounce) shade_vertex(place);
+    place.bounce = reference::kNotApplicable;
+    launch_reconstruct(place, batch);
 }
 
 void Pipeline::State::shade_vertex(StagePlace place) {

@@ -82,6 +82,7 @@ class DevicePipeline final : public Pipeline {
 
  private:
     void render_in_batches();
+    void render_batch(StagePlace place, const BatchView& batch);
     void shade_vertex(StagePlace place);
     void launch_primary_rays(const StagePlace& place, const BatchView& batch);
     void launch_direct_light(const StagePlace& place);
@@ -127,34 +128,42 @@ reference::Image DevicePipeline::render() {
 
 void DevicePipeline::render_in_batches() {
     const std::uint32_t pixels = parameters_.image_width * parameters_.image_height;
-    const std::uint32_t samples = std::min(parameters_.spp, parameters_.batch_rays);
+    const std::uint32_t spp = parameters_.spp;
+    const std::uint32_t pass_samples = reference::samples_of_pass(parameters_);
+    const std::uint32_t samples = std::min(pass_samples, parameters_.batch_rays);
     const std::uint32_t pixels_at_once =
         std::max(1u, std::min(pixels, parameters_.batch_rays / samples));
     StagePlace place;
-    place.several_batches = pixels_at_once < pixels || samples < parameters_.spp;
+    place.several_batches = pixels_at_once < pixels || samples < spp;
     paths_.image.resize(pixels, "the image");
     // Observers see all of it after every batch.
     check(cudaMemsetAsync(paths_.image.data(), 0, pixels * sizeof(Vec3), stream_.get()),
           "clearing the image");
-    for (std::uint32_t pixel = 0; pixel < pixels; pixel += pixels_at_once) {
-        for (std::uint32_t sample = 0; sample < parameters_.spp; sample += samples) {
-            const BatchView batch{pixel, std::min(pixels_at_once, pixels - pixel), sample,
-                                  std::min(samples, parameters_.spp - sample)};
-            paths_.resize(batch.pixels * batch.samples);
-            launch_primary_rays(place, batch);
-            place.bounce = 0;
-            traversal_.run(paths_.rays.data(), paths_.count(), TraversalKind::closest, place,
-                           paths_.path_hits.data());
-            for (; place.bounce <= parameters_.bounces; ++place.bounce) shade_vertex(place);
-            place.bounce = reference::kNotApplicable;
-            launch_reconstruct(place, batch);
-            ++place.batch;
+    for (std::uint32_t pass = 0; pass < spp; pass += pass_samples) {
+        const std::uint32_t pass_end = std::min(spp, pass + pass_samples);
+        for (std::uint32_t pixel = 0; pixel < pixels; pixel += pixels_at_once) {
+            for (std::uint32_t sample = pass; sample < pass_end; sample += samples) {
+                render_batch(place, {pixel, std::min(pixels_at_once, pixels - pixel), sample,
+                                     std::min(samples, pass_end - sample)});
+                ++place.batch;
+            }
         }
     }
     if (parameters_.filter != Filter::none && parameters_.spp < parameters_.filter_threshold) {
         launch_filter();
     }
     check(cudaStreamSynchronize(stream_.get()), "rendering");
+}
+
+void DevicePipeline::render_batch(StagePlace place, const BatchView& batch) {
+    paths_.resize(batch.pixels * batch.samples);
+    launch_primary_rays(place, batch);
+    place.bounce = 0;
+    traversal_.run(paths_.rays.data(), paths_.count(), TraversalKind::closest, place,
+                   paths_.path_hits.data());
+    for (; place.bounce <= parameters_.bounces; ++place.bounce) shade_vertex(place);
+    place.bounce = reference::kNotApplicable;
+    launch_reconstruct(place, batch);
 }
 
 void DevicePipeline::shade_vertex(StagePlace place) {

@@ -99,6 +99,7 @@ void validate(const PipelineParameters& p) {
     if (p.queue_levels != 0) expect_range("queue levels (0: all)", p.queue_levels, 1, 64);
     expect_range("hit capacity", p.hit_capacity, 1, 65536);
     expect_range("rays a batch", p.batch_rays, 1, 1u << 28);
+    expect_range("samples a pass (0: all)", p.samples_per_pass, 0, 1u << 20);
 }
 
 const char* to_string(EarlyOut value) { return word_of(kEarlyOutWords, value); }

@@ -60,6 +60,9 @@ struct PipelineParameters {
     std::uint32_t hit_capacity = 8;  ///< 1..65536
     /// Rays in flight at once. Images larger than that are rendered in batches, with the same bits.
     std::uint32_t batch_rays = 1u << 16;  ///< 1..2^28
+    /// Samples that every pixel gets before any pixel gets its next ones: what a picture that is
+    /// looked at while it is rendered wants. 0: all, each pixel is finished when its batch is.
+    std::uint32_t samples_per_pass = 0;  ///< 0..2^20
 
     Filter filter = Filter::none;
     std::uint32_t filter_threshold = 32;  ///< a filter is applied only below so many spp (report)
@@ -70,6 +73,11 @@ struct PipelineParameters {
 /// Throws bad_input naming the parameter, its value and what is allowed. Also refuses an image
 /// whose pixels alone would not fit in a sensible memory (over 2^28 pixels).
 void validate(const PipelineParameters& parameters);
+
+/// Samples of a pass, at least 1; the last pass may have fewer.
+inline std::uint32_t samples_of_pass(const PipelineParameters& p) {
+    return p.samples_per_pass == 0 || p.samples_per_pass > p.spp ? p.spp : p.samples_per_pass;
+}
 
 const char* to_string(EarlyOut value);
 const char* to_string(BlockOrder value);

@@ -45,6 +45,7 @@ void for_each_parameter(Parameters& p, Visit&& visit) {
     visit("shadow_query", p.shadow_query);
     visit("hit_capacity", p.hit_capacity);
     visit("batch_rays", p.batch_rays);
+    visit("samples_per_pass", p.samples_per_pass);
     visit("filter", p.filter);
     visit("filter_threshold", p.filter_threshold);
     visit("arithmetic", p.arithmetic);
@@ -70,7 +71,9 @@ void parse_word(const std::string& word, reference::Arithmetic& value) {
 }
 
 /// Not in files of before, and left out where it is 0: they stay as they are, byte for byte.
-bool was_added_later(std::string_view name) { return name == "queue_levels"; }
+bool was_added_later(std::string_view name) {
+    return name == "queue_levels" || name == "samples_per_pass";
+}
 
 /// Reads parameters and remembers which members were used.
 class ParameterReader {

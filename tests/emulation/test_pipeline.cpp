@@ -137,6 +137,22 @@ TEST_CASE("pipeline: batches of 1, 7, 64 or all rays change no bit", "[emulation
     check_same("spheres", many, changes);
 }
 
+TEST_CASE("pipeline: passes of a few samples over the whole image change no bit",
+          "[emulation][pipeline]") {
+    std::vector<Change> changes;
+    for (const std::uint32_t pass : {1u, 2u, 3u, 7u, 9u}) {
+        for (const std::uint32_t batch : {1u << 16, 11u, 2u}) {
+            changes.emplace_back([=](PipelineParameters& p) {
+                p.samples_per_pass = pass;
+                p.batch_rays = batch;
+            });
+        }
+    }
+    PipelineParameters p = tiny(3, 2);
+    p.spp = 8;
+    check_same("spheres", p, changes);
+}
+
 TEST_CASE("pipeline: schedules and threads change no bit", "[emulation][pipeline]") {
     PipelineParameters p = tiny(9, 7);
     p.rays_per_block = 32;

@@ -171,6 +171,8 @@ TEST_CASE("pipeline: filters, batches that split pixels, and scenes of many leve
     p.spp = 3;
     p.width = 2;
     check_against_emulator("coil", p);
+    p.samples_per_pass = 2;
+    check_against_emulator("coil", p);
 }
 
 TEST_CASE("pipeline: buffers that are too small grow, and the picture is the same",

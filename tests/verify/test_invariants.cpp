@@ -67,6 +67,7 @@ TEST_CASE("invariants: a correct run violates none, whatever the parameters",
                     p.block_order = batch == 61 ? BlockOrder::strided : BlockOrder::linear;
                     p.hit_capacity = batch == 61 ? 1 : 8;
                     p.queue_levels = batch == 61 ? 2 : 0;
+                    p.samples_per_pass = batch == 61 ? 1 : 0;
                     const WideBvh bvh = build_wide_bvh(spheres(), bvh_parameters(p, 0));
                     InvariantChecker checker(spheres(), bvh, p);
                     emulation::Pipeline(spheres(), bvh, p, {}, &checker).render();

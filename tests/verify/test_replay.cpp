@@ -52,6 +52,11 @@ TEST_CASE("replay: every stage alone gives what the run gave", "[verify][replay]
         p.shadow_query = ShadowQuery::closest;
         p.filter = Filter::bilateral;
     }
+    SECTION("passes of two samples, the last of one, in batches that split the image") {
+        p.batch_rays = 97;
+        p.spp = 5;
+        p.samples_per_pass = 2;
+    }
     SECTION("no light samples") { p.light_samples = 0; }
     const TemporaryFolder folder;
     const Capture capture = make_capture(folder / "c", p);
