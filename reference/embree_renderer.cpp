@@ -4,8 +4,12 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
+#include <span>
+#include <vector>
+
 #include "reference/intersect_triangle.h"
 #include "reference/path.h"
+#include "reference/stage_inputs.h"
 
 namespace scotty::reference {
 
@@ -52,31 +56,64 @@ Vec3 trace_path(const SceneView& scene, const PathParameters& parameters,
     return radiance;
 }
 
+void show_batch(StageObserver& observer, std::uint32_t number, const BatchExtent& batch,
+                const Image& image) {
+    if (!observer.wants(StageKind::reconstruct_image)) return;
+    std::vector<std::uint32_t> pixel;
+    pixel.reserve(std::size_t{batch.pixels} * batch.samples);
+    for (std::uint32_t i = 0; i < batch.pixels; ++i) {
+        pixel.insert(pixel.end(), batch.samples, batch.first_pixel + i);
+    }
+    StageView stage;
+    stage.kind = StageKind::reconstruct_image;
+    stage.name = stage_name(stage.kind, number, kNotApplicable, kNotApplicable, kNotApplicable,
+                            /*several_batches=*/true);
+    stage.launch = stage.batch = number;
+    stage.inputs = {buffer_view("pixel", std::span<const std::uint32_t>(pixel), "y * width + x")};
+    stage.outputs = {
+        buffer_view("image", std::span<const Vec3>(image.pixels), "radiance by pixel")};
+    observer.on_stage(stage);
+}
+
 }  // namespace
 
-Image render_with_embree(const Scene& scene, const PipelineParameters& parameters,
-                         const EmbreeTracer& tracer, std::size_t threads) {
-    validate(parameters);
+Image render_with_embree(const Scene& scene, const PipelineParameters& given,
+                         const EmbreeTracer& tracer, std::size_t threads, StageObserver* observer) {
+    validate(given);
+    PipelineParameters parameters = given;
+    if (observer == nullptr) {  // fewer waits for the last thread of a batch
+        parameters.batch_rays = 1u << 28;
+        parameters.samples_per_pass = 0;
+    }
     const SceneView view = view_of(scene);
     const PathParameters path = path_parameters(parameters);
     const std::uint32_t pixels = parameters.image_width * parameters.image_height;
-    Image image{parameters.image_width, parameters.image_height, std::vector<Vec3>(pixels)};
+    Image image{parameters.image_width, parameters.image_height,
+                std::vector<Vec3>(pixels, Vec3(0.0f, 0.0f, 0.0f))};
     oneapi::tbb::task_arena arena(threads == 0 ? oneapi::tbb::task_arena::automatic
                                                : static_cast<int>(threads));
-    arena.execute([&] {
-        oneapi::tbb::parallel_for(
-            oneapi::tbb::blocked_range<std::uint32_t>(0, pixels, 64),
-            [&](const oneapi::tbb::blocked_range<std::uint32_t>& range) {
-                for (std::uint32_t pixel = range.begin(); pixel != range.end(); ++pixel) {
-                    Vec3 sum(0.0f, 0.0f, 0.0f);
-                    for (std::uint32_t sample = 0; sample < parameters.spp; ++sample) {
-                        sum += trace_path(view, path, tracer, pixel, sample);
-                    }
-                    image.pixels[pixel] = sum / static_cast<float>(parameters.spp);
+    for (std::uint32_t number = 0;; ++number) {
+        const auto batch = batch_extent(parameters, number);
+        if (!batch) return image;
+        const std::uint32_t end_sample = batch->first_sample + batch->samples;
+        const auto add_samples = [&](const oneapi::tbb::blocked_range<std::uint32_t>& range) {
+            for (std::uint32_t pixel = range.begin(); pixel != range.end(); ++pixel) {
+                Vec3 sum = image.pixels[pixel];
+                for (std::uint32_t sample = batch->first_sample; sample < end_sample; ++sample) {
+                    sum += trace_path(view, path, tracer, pixel, sample);
                 }
-            });
-    });
-    return image;
+                if (end_sample == parameters.spp) sum /= static_cast<float>(parameters.spp);
+                image.pixels[pixel] = sum;
+            }
+        };
+        arena.execute([&] {
+            oneapi::tbb::parallel_for(
+                oneapi::tbb::blocked_range<std::uint32_t>(batch->first_pixel,
+                                                          batch->first_pixel + batch->pixels, 64),
+                add_samples);
+        });
+        if (observer != nullptr) show_batch(*observer, number, *batch, image);
+    }
 }
 
 }  // namespace scotty::reference

@@ -4,6 +4,7 @@
 #include "reference/image.h"
 #include "reference/pipeline_parameters.h"
 #include "reference/scene.h"
+#include "reference/stage_observer.h"
 #include "reference/tracers.h"
 
 namespace scotty::reference {
@@ -12,8 +13,10 @@ namespace scotty::reference {
 /// the primitives. No queues, no levels, no batches: what it shares with the pipelines are the
 /// functions of path.h. Where Embree and we name the same primitive the distance and barycentrics
 /// are ours, so the image is equal bit for bit except in pixels where Embree sees another hit.
-/// Filters are not applied. `threads` 0: all.
+/// Filters are not applied. `threads` 0: all. With an observer the render goes in batches as a
+/// pipeline's does, and each is shown as a reconstruct_image that has the buffers pixel and image.
 Image render_with_embree(const Scene& scene, const PipelineParameters& parameters,
-                         const EmbreeTracer& tracer, std::size_t threads = 0);
+                         const EmbreeTracer& tracer, std::size_t threads = 0,
+                         StageObserver* observer = nullptr);
 
 }  // namespace scotty::reference
