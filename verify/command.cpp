@@ -27,7 +27,7 @@ constexpr const char* kFooter = R"(Examples:
   scotty COMMAND --help                  more about one command
 
 Exit codes: 0 passed, 1 verification failed, 2 usage or bad input (or nothing matched),
-3 a required environment is missing, 70 internal error.)";
+3 a required environment is missing, 70 internal error, 130 stopped by Ctrl-C.)";
 
 /// CLI11 says what is wrong, but not what there is.
 std::string complaint(const CLI::App& app, const CLI::ParseError& error, const char* first) {

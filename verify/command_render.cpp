@@ -4,10 +4,11 @@
 #include <tbb/global_control.h>
 
 #include <chrono>
-#include <filesystem>
+#include <cstdint>
+#include <cstring>
 #include <memory>
 #include <optional>
-#include <utility>
+#include <string>
 
 #include "reference/embree_renderer.h"
 #include "reference/error.h"
@@ -19,6 +20,8 @@
 #include "verify/image_file.h"
 #include "verify/options.h"
 #include "verify/progress.h"
+#include "verify/tev_display.h"
+#include "verify/watched_render.h"
 
 namespace scotty::verify {
 namespace {
@@ -28,9 +31,9 @@ using reference::StageView;
 
 struct RenderOptions {
     std::string scene;
-    std::string output;
     BackendChoice backend;
-    float exposure = 0.0f;
+    RenderOutput output;
+    bool progressive = false;
     std::size_t threads = 0;
     reference::PipelineParameters parameters;
 };
@@ -58,71 +61,91 @@ class ProgressObserver : public reference::StageObserver {
     std::uint64_t batches_;
 };
 
-Image render(const RenderOptions& options, reference::Scene scene) {
+/// Embree's paths as one more back end, for pictures only.
+Backend embree(std::size_t threads) {
+    Backend backend;
+    backend.name = "embree";
+    backend.render = [threads](const PipelineInput& input, reference::StageObserver* observer) {
+        const reference::EmbreeTracer tracer(input.scene);
+        return render_with_embree(input.scene, input.parameters, tracer, threads, observer);
+    };
+    return backend;
+}
+
+Image render(const Backend& backend, const PipelineInput& input) {
     Progress progress;
-    if (options.backend.name == "embree") {
-        const reference::EmbreeTracer tracer(scene);
+    if (backend.name == "embree") {
         progress.show("rendering with Embree");
-        return render_with_embree(scene, options.parameters, tracer, options.threads);
+        return backend.render(input, nullptr);
     }
-    progress.show("building the BVH");
-    const Backend backend = chosen_backend(options.backend, options.threads, options.parameters);
-    reference::WideBvh bvh =
-        build_wide_bvh(scene, bvh_parameters(options.parameters, options.threads));
-    const PipelineInput input{std::move(scene), std::move(bvh), options.parameters};
-    ProgressObserver observer(progress, options.parameters);
+    ProgressObserver observer(progress, input.parameters);
     return backend.render(input, &observer);
 }
 
-/// An EXR says how many paths a pixel has, unless a filter mixed pixels: `scotty diff` can then
-/// judge it by a golden image's noise.
-void write(const RenderOptions& options, const Image& image) {
+void warn_of_filter(const RenderOptions& options) {
     const reference::PipelineParameters& p = options.parameters;
-    const bool filtered = options.backend.name != "embree" && p.filter != reference::Filter::none &&
-                          p.spp < p.filter_threshold;
-    if (std::filesystem::path(options.output).extension() != ".exr" || filtered) {
-        write_image(image, options.output, options.exposure);
-        return;
+    if (p.filter == reference::Filter::none) return;
+    if (options.backend.name == "embree") {
+        spdlog::warn("--filter is the pipeline's and is not applied by the Embree backend");
+    } else if (p.spp >= p.filter_threshold && !options.progressive) {
+        spdlog::warn(
+            "--filter {} is not applied: {} samples a pixel are not below the threshold "
+            "of {} (--filter-threshold)",
+            to_string(p.filter), p.spp, p.filter_threshold);
     }
-    MeasuredImage measured{image.width, image.height, {}, {}, p.spp, 1};
-    measured.mean.reserve(image.pixels.size());
-    for (const reference::Vec3& pixel : image.pixels) {
-        measured.mean.push_back({pixel.x, pixel.y, pixel.z});
-    }
-    write_measured_image(measured, options.output);
 }
 
-int run_render(const RenderOptions& options) {
+int run_render(RenderOptions options) {
     const auto start = std::chrono::steady_clock::now();
-    reference::validate(options.parameters);
-    check_image_path(options.output);
-    if (options.backend.name != "embree") {
-        expect_arithmetic(chosen_backend(options.backend, options.threads, options.parameters),
-                          options.parameters);
+    reference::PipelineParameters& p = options.parameters;
+    if (!options.output.display.empty()) {
+        parse_display(options.output.display);
+        options.progressive = true;
     }
+    if (!options.progressive) p.samples_per_pass = 0;
+    reference::validate(p);
+    check_image_path(options.output.file);
+    const bool by_embree = options.backend.name == "embree";
+    const Backend backend =
+        by_embree ? embree(options.threads) : chosen_backend(options.backend, options.threads, p);
+    if (!by_embree) expect_arithmetic(backend, p);
     std::optional<tbb::global_control> limit;
     if (options.threads != 0) {
         limit.emplace(tbb::global_control::max_allowed_parallelism, options.threads);
     }
-    reference::Scene scene = scenes::load_scene(options.scene);
-    for (const std::string& warning : scene.warnings) spdlog::warn("{}", warning);
-    const bool filtered = options.parameters.filter != reference::Filter::none;
-    if (filtered && options.backend.name == "embree") {
-        spdlog::warn("--filter is the pipeline's and is not applied by the Embree backend");
-    } else if (filtered && options.parameters.spp >= options.parameters.filter_threshold) {
-        spdlog::warn(
-            "--filter {} is not applied: {} samples a pixel are not below the threshold "
-            "of {} (--filter-threshold)",
-            to_string(options.parameters.filter), options.parameters.spp,
-            options.parameters.filter_threshold);
+    PipelineInput input{scenes::load_scene(options.scene), {}, {}};
+    for (const std::string& warning : input.scene.warnings) spdlog::warn("{}", warning);
+    warn_of_filter(options);
+    if (by_embree) {
+        p.filter = reference::Filter::none;
+    } else {
+        Progress progress;
+        progress.show("building the BVH");
+        input.bvh = build_wide_bvh(input.scene, bvh_parameters(p, options.threads));
     }
-    const std::size_t triangles = scene.triangles.size();
-    const Image image = render(options, std::move(scene));
-    write(options, image);
-    spdlog::info("{}: {} triangles, {}x{} pixels, {} samples, {}, {:.1f} s", options.output,
-                 triangles, image.width, image.height, options.parameters.spp, options.backend.name,
+    input.parameters = p;
+
+    WatchedRender done;
+    if (options.progressive) {
+        done = render_watched(backend, input, options.output);
+    } else {
+        done.picture = {render(backend, input), p.spp};
+        write_picture(options.output, p, done.picture.image, p.spp);
+    }
+    const auto& [picture, signal] = done;
+    if (picture.samples == 0) {
+        spdlog::warn("stopped ({}) before the first pass was complete: {} was not written",
+                     strsignal(signal), options.output.file);
+        return kExitStopped + signal;
+    }
+    spdlog::info("{}: {} triangles, {}x{} pixels, {} samples, {}, {:.1f} s", options.output.file,
+                 input.scene.triangles.size(), picture.image.width, picture.image.height,
+                 picture.samples, backend.name,
                  std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    return kExitPassed;
+    if (signal == 0) return kExitPassed;
+    spdlog::warn("stopped ({}) after {} of {} samples: {} is a whole image of {} samples",
+                 strsignal(signal), picture.samples, p.spp, options.output.file, picture.samples);
+    return kExitStopped + signal;
 }
 
 }  // namespace
@@ -133,19 +156,43 @@ void add_render_command(CLI::App& app, Action& action) {
         "Examples:\n"
         "  scotty render coil -o coil.png --size 640x400 --spp 16\n"
         "  scotty render CBspheres.dae -o spheres.exr --backend embree\n"
-        "  scotty render spheres -o smooth.png --filter median --exposure 1\n\n"
+        "  scotty render spheres -o smooth.png --filter median --exposure 1\n"
+        "  scotty render coil -o coil.exr --spp 4096 --progressive           # Ctrl-C when it is "
+        "good\n"
+        "  scotty render coil -o coil.exr --spp 4096 --display localhost:14158\n\n"
         "EXR holds linear radiance in float32, and the samples a pixel; PNG holds 8-bit sRGB of "
-        "radiance * 2^exposure.");
+        "radiance * 2^exposure.\n\n"
+        "A progressive render is the same picture, bit for bit. Ctrl-C (or SIGTERM) ends it at the "
+        "next launch: FILE then holds the last pass that every pixel had, which is the picture of "
+        "that many --spp, and the exit code is 130 (143). A second Ctrl-C ends it at once; FILE is "
+        "whole even so. --filter applies as long as there are fewer samples than "
+        "--filter-threshold.");
     auto options = std::make_shared<RenderOptions>();
+    options->parameters.samples_per_pass = 1;
     command->add_option("scene", options->scene, "a built-in scene (scotty list) or a file")
         ->required();
-    command->add_option("-o,--output", options->output, "the .exr or .png file to write")
+    command->add_option("-o,--output", options->output.file, "the .exr or .png file to write")
         ->required();
     add_backend_options(*command, options->backend,
                         "who traces the rays: emulator, embree, simt or cuda", true);
-    command->add_option("--exposure", options->exposure, "PNG: brightness in powers of two")
+    command->add_option("--exposure", options->output.exposure, "PNG: brightness in powers of two")
         ->check(CLI::Range(-64.0f, 64.0f))
         ->capture_default_str();
+    auto* progressive =
+        command->add_flag("--progressive", options->progressive,
+                          "refine the whole image pass by pass, and write it about once a second");
+    command
+        ->add_option("--samples-per-pass", options->parameters.samples_per_pass,
+                     "--progressive: samples a pixel gets before all others have theirs; more are "
+                     "quicker where the image is small")
+        ->check(CLI::PositiveNumber)
+        ->needs(progressive)
+        ->capture_default_str();
+    command
+        ->add_option("--display", options->output.display,
+                     "show the image in the viewer tev, running there (port 14158 unless given); "
+                     "implies --progressive")
+        ->type_name("HOST:PORT");
     command
         ->add_option_function<std::string>(
             "--filter",

@@ -6,6 +6,9 @@
 
 namespace scotty::verify {
 
+/// "12 s", "3 min 05 s", "1 h 02 min".
+std::string short_duration(double seconds);
+
 class Progress {
  public:
     Progress();
