@@ -67,14 +67,12 @@ class Passes : public reference::StageObserver {
         SCOTTY_ASSERT(image.size(), ==, std::size_t{last} + 1);
         // A render that ran out of memory begins again, with smaller batches.
         if (stage.batch == 0) of_last_pixel_ = 0;
-        const auto added = static_cast<std::uint32_t>(std::count(pixel.begin(), pixel.end(), last));
-        of_last_pixel_ += added;
-        const bool pass_is_complete =
-            added != 0 && of_last_pixel_ % samples_of_pass(parameters_) == 0;
+        of_last_pixel_ += static_cast<std::uint32_t>(std::count(pixel.begin(), pixel.end(), last));
         // With the last sample the sums have become means, and the pipeline's own image is next.
-        if (!pass_is_complete || of_last_pixel_ >= parameters_.spp || of_last_pixel_ <= samples_) {
-            return;
-        }
+        const bool pass_is_complete = of_last_pixel_ > samples_ &&
+                                      of_last_pixel_ % samples_of_pass(parameters_) == 0 &&
+                                      of_last_pixel_ < parameters_.spp;
+        if (!pass_is_complete) return;
         sums_.assign(image.begin(), image.end());
         samples_ = of_last_pixel_;
         listener_.on_pass(samples_, [this] { return picture(); });

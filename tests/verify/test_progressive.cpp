@@ -83,6 +83,11 @@ TEST_CASE("progressive: every pass is the render of that many samples, bit for b
             check_passes(backend, p, {3, 6});
         }
     }
+    // More samples a pass than a batch holds.
+    PipelineParameters p = passes_of(3, 7);
+    p.image_width = p.image_height = 3;
+    p.batch_rays = 2;
+    check_passes(backend_named("emulator", 0), p, {3, 6});
 }
 
 TEST_CASE("progressive: the filter is applied below the threshold and no longer",
@@ -139,7 +144,13 @@ TEST_CASE("progressive: a render that is stopped keeps the last pass that every 
     CHECK(stopped_at(stages_at_pass[0] - 1).samples == 0);
     CHECK(stopped_at(stages_at_pass[0] - 1).image.pixels.empty());
     CHECK(stopped_at(stages - 1).samples == 4);
-    CHECK(stopped_at(stages).samples == 5);  // nothing was left to stop
+    // 4 batches a pass: nothing is left to stop.
+    const ProgressiveImage whole = render_progressively(
+        backend, input,
+        {[](std::uint32_t, const std::function<Image()>&) {},
+         [](const std::string& stage) { return stage == "batch19/reconstruct_image"; }});
+    CHECK(whole.samples == 5);
+    CHECK(same_bits(whole.image, plain(5)));
 }
 
 TEST_CASE("progressive: a render that begins again with smaller batches counts anew",
