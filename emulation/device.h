@@ -115,14 +115,15 @@ class Device {
     template <class Kernel>
     void launch(std::uint32_t blocks, std::uint32_t threads, Kernel&& kernel) {
         const Schedule schedule{options_.schedule, options_.schedule_seed};
-        watch_.begin_launch(threads, schedule, ++launches_);
         const auto run = [&](std::uint32_t index) {
             const Watch::InBlock watched(watch_, index, threads);
-            Watch::run_block(kernel, Block(index, threads));
+            watch_.run_block(kernel, Block(index, threads));
         };
-        if (schedule.kind != ScheduleKind::free) {
-            for (const std::uint32_t index : block_order(schedule, launches_, blocks)) run(index);
-        } else {
+        watch_.run_launch(threads, schedule, ++launches_, [&] {
+            if (schedule.kind != ScheduleKind::free) {
+                for (const std::uint32_t i : block_order(schedule, launches_, blocks)) run(i);
+                return;
+            }
             arena_.execute([&] {
                 oneapi::tbb::parallel_for(
                     oneapi::tbb::blocked_range<std::uint32_t>(0, blocks, grain(threads)),
@@ -130,8 +131,7 @@ class Device {
                         for (std::uint32_t i = range.begin(); i != range.end(); ++i) run(i);
                     });
             });
-        }
-        watch_.end_launch();
+        });
     }
 
     /// Runs one thread per item in blocks of 256: `kernel(item)`.

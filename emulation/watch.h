@@ -33,8 +33,11 @@ class Watch {
     struct InBlock {
         InBlock(Watch&, std::uint32_t /*index*/, std::uint32_t /*threads*/) {}
     };
-    void begin_launch(std::uint32_t /*threads*/, const Schedule&, std::uint64_t /*launch*/) {}
-    void end_launch() {}
+    template <class Blocks>
+    void run_launch(std::uint32_t /*threads*/, const Schedule&, std::uint64_t /*launch*/,
+                    const Blocks& blocks) {
+        blocks();
+    }
 
     /// What the launches of this host thread are called from now on.
     static void name_launch(reference::StageKind, const reference::StagePlace&,

@@ -7,6 +7,7 @@
 #include <exception>
 #include <utility>
 
+#include "emulation/simt/bad_address.h"
 #include "reference/assert.h"
 
 namespace scotty::emulation::simt {
@@ -29,7 +30,6 @@ void BlockRunner::enter(const Launch& launch, std::uint32_t block) {
     context.returns = returns_.data();
     context.arena = &arena_;
     context.shared = &shared_;
-    context.kernel = launch.kernel;
     context.interleaver = launch.interleaver;
     if (launch.checker == nullptr) return;
     shared_shadow_.resize(SharedMemory::kBytes / 4);
@@ -48,10 +48,15 @@ void BlockRunner::run(const Launch& launch, std::uint32_t block, ScheduleKind or
     }
     order_.start_block(order, seed, (launch.threads + kLanes - 1) / kLanes);
     try {
-        run_phase<true>(launch);
-        while (stops_[0].site->kind == SiteKind::barrier) {
-            ++context.phase;
-            run_phase<false>(launch);
+        const std::string bad_address = bad_address_in([&] {
+            run_phase<true>(launch);
+            while (stops_[0].site->kind == SiteKind::barrier) {
+                ++context.phase;
+                run_phase<false>(launch);
+            }
+        });
+        if (!bad_address.empty()) {
+            throw LaunchError(launch.kernel, block, launch.threads, {}, bad_address);
         }
     } catch (const LaunchError&) {
         leave();
@@ -67,7 +72,6 @@ void BlockRunner::run(const Launch& launch, std::uint32_t block, ScheduleKind or
 }
 
 void BlockRunner::leave() {
-    context.kernel = nullptr;
     context.checker = nullptr;
     context.interleaver = nullptr;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <coroutine>
+#include <csetjmp>
 #include <cstdint>
 
 #include "emulation/simt/frame_arena.h"
@@ -45,8 +46,10 @@ struct Context {
     std::uint32_t finished = 0;
     FrameArena* arena = nullptr;
     SharedMemory* shared = nullptr;
-    const char* kernel = nullptr;  ///< null while none runs
-    std::uint32_t phase = 0;       ///< barriers that the block has passed
+    std::uint32_t phase = 0;  ///< barriers that the block has passed
+    /// Where instrumented code was about to access memory when it last was: an address in its text.
+    const void* last_access = nullptr;
+    sigjmp_buf* way_out = nullptr;  ///< of a thread that reaches for memory which is not there
     /// Who hears of the accesses of instrumented kernels; null: nobody.
     MemoryChecker* checker = nullptr;
     /// Who hears of them instead, where blocks take turns in their middle; null: they do not.

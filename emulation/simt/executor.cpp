@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <string>
 
-#include "emulation/simt/crash_report.h"
+#include "emulation/simt/bad_address.h"
 #include "emulation/simt/interleave/interleaver.h"
 
 namespace scotty::emulation::simt {
@@ -15,7 +15,7 @@ Executor::Executor(const SimtOptions& options)
     : options_(options),
       arena_(options.threads == 0 ? oneapi::tbb::task_arena::automatic
                                   : static_cast<int>(options.threads)) {
-    report_crashes();
+    catch_bad_addresses();
 }
 
 void Executor::run(Launch& launch) {
@@ -37,17 +37,7 @@ void Executor::run(Launch& launch) {
     }
     launch.checker = checker_.get();
     launch.number = checker_->begin_launch(launch.kernel);
-    try {
-        run_blocks(launch);
-    } catch (const LaunchError& error) {
-        const std::vector<MemoryFinding> findings = checker_->take_findings();
-        if (findings.empty()) throw;
-        throw_findings(launch.kernel, launch.threads, findings,
-                       std::string("; then ") + error.what());
-    }
-    if (const std::vector<MemoryFinding> findings = checker_->take_findings(); !findings.empty()) {
-        throw_findings(launch.kernel, launch.threads, findings, "");
-    }
+    throw_findings_of(*checker_, launch.kernel, launch.threads, [&] { run_blocks(launch); });
 }
 
 void Executor::check_memory() { checker_ = std::make_unique<MemoryChecker>(); }

@@ -29,6 +29,22 @@ std::string who_text(std::uint32_t thread, std::uint32_t block) {
     return "thread " + std::to_string(thread) + " of block " + std::to_string(block);
 }
 
+/// Races first, which explain what is unwritten; then in an order that does not depend on who came
+/// first.
+[[noreturn]] void throw_findings(const std::string& kernel, std::uint32_t threads,
+                                 std::vector<MemoryFinding> findings, const std::string& after) {
+    std::sort(findings.begin(), findings.end(), [](const auto& a, const auto& b) {
+        return std::tie(a.kind, a.block, a.thread, a.place) <
+               std::tie(b.kind, b.block, b.thread, b.place);
+    });
+    std::string what = to_text(findings.front());
+    if (findings.size() > 1) {
+        what += " (and " + std::to_string(findings.size() - 1) +
+                " more, such as: " + to_text(findings[1]) + ")";
+    }
+    throw LaunchError(kernel, findings.front().block, threads, {}, what + after);
+}
+
 }  // namespace
 
 std::string to_text(const MemoryFinding& finding) {
@@ -59,20 +75,17 @@ std::string to_text(const MemoryFinding& finding) {
     return one;
 }
 
-/// Races first, which explain what is unwritten; then in an order that does not depend on who came
-/// first.
-void throw_findings(const std::string& kernel, std::uint32_t threads,
-                    std::vector<MemoryFinding> findings, const std::string& after) {
-    std::sort(findings.begin(), findings.end(), [](const auto& a, const auto& b) {
-        return std::tie(a.kind, a.block, a.thread, a.place) <
-               std::tie(b.kind, b.block, b.thread, b.place);
-    });
-    std::string what = to_text(findings.front());
-    if (findings.size() > 1) {
-        what += " (and " + std::to_string(findings.size() - 1) +
-                " more, such as: " + to_text(findings[1]) + ")";
+void throw_findings_of(MemoryChecker& checker, const std::string& kernel, std::uint32_t threads,
+                       const std::function<void()>& run_blocks) {
+    try {
+        run_blocks();
+    } catch (const LaunchError& error) {
+        const std::vector<MemoryFinding> findings = checker.take_findings();
+        if (findings.empty()) throw;
+        throw_findings(kernel, threads, findings, std::string("; then ") + error.what());
     }
-    throw LaunchError(kernel, findings.front().block, threads, {}, what + after);
+    const std::vector<MemoryFinding> findings = checker.take_findings();
+    if (!findings.empty()) throw_findings(kernel, threads, findings, "");
 }
 
 }  // namespace scotty::emulation::simt

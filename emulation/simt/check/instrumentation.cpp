@@ -19,7 +19,8 @@ using scotty::emulation::simt::context;
 using scotty::emulation::simt::deliberate_read;
 
 inline void note(Access access, const void* address, std::size_t bytes, const void* place) {
-    const auto& now = context;
+    auto& now = context;
+    now.last_access = place;
     if (now.checker == nullptr) {
         if (now.interleaver != nullptr) now.interleaver->on_access(access, address, bytes);
         return;

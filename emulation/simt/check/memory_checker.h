@@ -14,6 +14,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -67,9 +68,12 @@ struct MemoryFinding {
 /// "data race on shared memory of the block, byte 12: thread 3 of block 0 writes it at gpu/a.h:10,
 /// thread 5 of block 0 reads it at gpu/a.h:12".
 std::string to_text(const MemoryFinding& finding);
-/// Fails a launch for what was found, at least one thing: a LaunchError. `after` ends its message.
-[[noreturn]] void throw_findings(const std::string& kernel, std::uint32_t threads,
-                                 std::vector<MemoryFinding> findings, const std::string& after);
+
+class MemoryChecker;
+/// Runs a launch's blocks, and fails it for what was found in them: a LaunchError. If they have
+/// thrown one, that ends its message, or, with nothing found, is thrown on.
+void throw_findings_of(MemoryChecker& checker, const std::string& kernel, std::uint32_t threads,
+                       const std::function<void()>& run_blocks);
 
 /// Reads that others may overtake (load_relaxed), by their place in the text.
 struct RelaxedMeetings {

@@ -1,4 +1,5 @@
 // Part of programs that check only: compiled with SCOTTY_CHECKED, and not instrumented.
+#include "emulation/simt/launch_error.h"
 #include "emulation/simt/thread_order.h"
 #include "emulation/watch.h"
 
@@ -21,7 +22,7 @@ thread_local Turns turns;
 
 }  // namespace
 
-Watch::Watch() : checker_(std::make_unique<simt::MemoryChecker>()) {}
+Watch::Watch() : checker_(std::make_unique<simt::MemoryChecker>()) { simt::catch_bad_addresses(); }
 Watch::~Watch() {
     if (latest_checker() == checker_.get()) latest_checker() = nullptr;
 }
@@ -34,7 +35,6 @@ Watch::InBlock::InBlock(Watch& watch, std::uint32_t index, std::uint32_t threads
     context = {};
     context.block = index;
     context.block_size = threads;
-    context.kernel = watch.kernel_.c_str();
     context.checker = watch.checker_.get();
     context.launch = watch.number_;
     context.shared = &worker.shared;
@@ -48,17 +48,18 @@ void Watch::name_launch(reference::StageKind kind, const reference::StagePlace& 
                     place.name(kind);
 }
 
-void Watch::begin_launch(std::uint32_t threads, const Schedule& schedule, std::uint64_t launch) {
+void Watch::run_launch(std::uint32_t threads, const Schedule& schedule, std::uint64_t launch,
+                       const std::function<void()>& blocks) {
     kernel_ = launch_name();
     threads_ = threads;
     number_ = checker_->begin_launch(kernel_.c_str());
     latest_checker() = checker_.get();
     turns_ = {schedule, launch};
+    simt::throw_findings_of(*checker_, kernel_, threads, blocks);
 }
 
-void Watch::end_launch() {
-    const std::vector<simt::MemoryFinding> findings = checker_->take_findings();
-    if (!findings.empty()) simt::throw_findings(kernel_, threads_, findings, "");
+void Watch::fail_block(const std::string& why) const {
+    throw simt::LaunchError(kernel_, context.block, threads_, {}, why);
 }
 
 bool Watch::is_ascending() {

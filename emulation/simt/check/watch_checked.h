@@ -6,11 +6,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "emulation/schedule.h"
+#include "emulation/simt/bad_address.h"
 #include "emulation/simt/check/memory_checker.h"
 #include "emulation/simt/context.h"
 #include "emulation/simt/shared_memory.h"
@@ -46,9 +48,9 @@ class Watch {
         InBlock(const InBlock&) = delete;
         InBlock& operator=(const InBlock&) = delete;
     };
-    void begin_launch(std::uint32_t threads, const Schedule& schedule, std::uint64_t launch);
-    /// Throws LaunchError where something was found.
-    void end_launch();
+    /// `blocks()` runs those of the launch. Throws LaunchError where something was found in them.
+    void run_launch(std::uint32_t threads, const Schedule& schedule, std::uint64_t launch,
+                    const std::function<void()>& blocks);
     static void name_launch(reference::StageKind kind, const reference::StagePlace& place,
                             std::size_t launch);
 
@@ -73,8 +75,13 @@ class Watch {
     /// Flattened: registers then are locals that no call sees, which need no watching and cost
     /// none.
     template <class Kernel, class Block>
-    [[gnu::flatten]] static void run_block(Kernel& kernel, const Block& block) {
+    [[gnu::flatten]] static void run_threads(Kernel& kernel, const Block& block) {
         kernel(block);
+    }
+    template <class Kernel, class Block>
+    void run_block(Kernel& kernel, const Block& block) {
+        const std::string bad = simt::bad_address_in([&] { run_threads(kernel, block); });
+        if (!bad.empty()) fail_block(bad);
     }
     static void own_register(std::uint32_t thread) {
         if (thread != simt::context.thread) foreign_register(thread);
@@ -88,6 +95,7 @@ class Watch {
     static bool is_ascending();
     static std::uint32_t turn(std::uint32_t i, std::uint32_t active);
     [[gnu::noinline]] static void foreign_register(std::uint32_t owner);
+    [[noreturn]] void fail_block(const std::string& why) const;
 
     std::unique_ptr<simt::MemoryChecker> checker_;
     oneapi::tbb::enumerable_thread_specific<Worker> workers_;

@@ -1,8 +1,10 @@
 /// What the checker of memory accesses finds, and what it has no reason to find.
 #include <catch2/catch.hpp>
 
+#include "emulation/simt/check/deliberate.h"
 #include "emulation/simt/check/source_line.h"
 #include "emulation/simt/cuda/cuda_runtime.h"
+#include "tests/simt/bad_addresses.h"
 #include "tests/simt/executor_tools.h"
 
 namespace scotty::gpu::simt {
@@ -85,6 +87,21 @@ SCOTTY_KERNEL(ballot_is_no_barrier)(std::uint32_t* out) {
     shared.at[thread_index()] = 1;
     const std::uint32_t lanes = SCOTTY_AWAIT(warp_ballot(true));
     out[thread_index()] = lanes + shared.at[(thread_index() + 1) % block_size()];
+}
+
+constexpr std::uint32_t kFollowed = __LINE__ + 6;
+/// An index that nobody has written leads nowhere.
+SCOTTY_KERNEL(follow)(const std::uint32_t* indices, std::uint32_t* to) {
+    SCOTTY_SYNC();
+    if (block_index() == 1 && thread_index() == 40) {
+        const std::uint64_t index = indices == nullptr ? 0 : indices[5];
+        to[index << 10] = 1;
+    }
+    SCOTTY_RETURN;
+}
+SCOTTY_KERNEL(look_nowhere)(const float* from, float* out) {
+    if (thread_index() == 7) *out = load_relaxed(from);
+    SCOTTY_RETURN;
 }
 
 }  // namespace
@@ -216,6 +233,57 @@ TEST_CASE("checker: memory that nobody has written, that is not there, or no mor
         }),
         says(
             "out of bounds, shared memory behind all of it, byte 176: thread 5 of block 0 writes"));
+}
+
+TEST_CASE("checker: memory that the process does not have is named with the line that reached it",
+          "[simt][checker]") {
+    const NobodyAnswersSignals as_outside_tests;
+    for (const SimtOptions& options : every_order()) {
+        Checked device(options);
+        const std::uint32_t* const none = nullptr;
+        const std::string what =
+            said([&] { device.executor.launch("follow", 3, 64, follow, none, nowhere()); });
+        CAPTURE(what);
+        CHECK_THAT(what, says("kernel follow, block 1 .64 threads.: thread 40 reached memory that "
+                              "is not there at " +
+                              line(kFollowed)));
+        device.executor.launch("follow", 3, 64, follow, none, device.memory);
+        CHECK(device.memory[0] == 1);
+    }
+}
+
+TEST_CASE("checker: what has led a thread to memory that is not there is told first",
+          "[simt][checker]") {
+    const NobodyAnswersSignals as_outside_tests;
+    Checked device({});
+    discard_slots(device.memory, 400);
+    for (std::uint32_t i = 0; i < 100; ++i) device.memory[i] = 0xcdcdcdcd;
+    CHECK_THAT(said([&] {
+                   device.executor.launch("follow", 3, 64, follow, device.memory, device.memory);
+               }),
+               says("nobody has written the test's memory, byte 20 of 4096: thread 40 of block 1 "
+                    "reads it at " +
+                    line(kFollowed - 1) +
+                    "; then kernel follow, block 1 .64 threads.: thread 40 reached memory that is "
+                    "not there at " +
+                    line(kFollowed)));
+}
+
+TEST_CASE("checker: a relaxed read of memory that is not there leaves no mark on later reads",
+          "[simt][checker]") {
+    const NobodyAnswersSignals as_outside_tests;
+    Checked device({0, ScheduleKind::linear, 0});
+    auto* const minimum = reinterpret_cast<float*>(device.memory);
+    const auto* const from = reinterpret_cast<const float*>(nowhere());
+    CHECK_THAT(
+        said([&] { device.executor.launch("look_nowhere", 1, 32, look_nowhere, from, minimum); }),
+        says("thread 7 reached memory that is not there at"));
+    CHECK_THAT(said([&] {
+                   device.executor.launch("lower_and_look", 2, 64, lower_and_look, minimum,
+                                          minimum + 8, false);
+               }),
+               says("data race on the test's memory"));
+    CHECK_FALSE(scotty::emulation::simt::deliberate_read);
 }
 
 TEST_CASE("checker: a slot written twice names both writers, one never written its reader",

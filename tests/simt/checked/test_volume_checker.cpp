@@ -1,4 +1,5 @@
 /// The checker on the volume tier: faulty kernels in phases, each seen to be named.
+#include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <functional>
@@ -11,6 +12,7 @@
 #include "emulation/simt/launch_error.h"
 #include "reference/wide_bvh.h"
 #include "tests/reference/meshes.h"
+#include "tests/simt/bad_addresses.h"
 
 namespace {
 
@@ -43,6 +45,15 @@ void pass_on(const Block& block, std::uint32_t* out, bool in_two_phases) {
 constexpr int kPlainAdd = __LINE__ + 2;
 void count_plainly(const Block& block, std::uint32_t* counter) {
     block.phase_thread_zero([&] { *counter += 1; });
+}
+
+constexpr int kFollowed = __LINE__ + 5;
+/// An index that nobody has written leads nowhere.
+void follow(const Block& block, const std::uint32_t* index, std::uint32_t* to) {
+    block.phase([&](std::uint32_t thread) {
+        const std::uint64_t offset = index == nullptr ? 0 : index[0];
+        if (block.index() == 1 && thread == 40) to[offset << 10] = 1;
+    });
 }
 
 /// A running total over the threads: right only where they take turns.
@@ -189,6 +200,32 @@ TEST_CASE("volume checker: memory that nobody has written, that is not there, or
                                    block.phase([&](std::uint32_t t) { few[t] = t; });
                                }),
                Contains("out of bounds, shared memory behind all of it, byte 0: thread 8"));
+}
+
+TEST_CASE("volume checker: memory that the process does not have is named with the line",
+          "[simt][checker][volume]") {
+    const scotty::simt::test::NobodyAnswersSignals as_outside_tests;
+    const std::string where = "thread 40 reached memory that is not there at " + line(kFollowed);
+    for (const DeviceOptions& options : every_order()) {
+        Memory memory(options);
+        std::uint32_t* const nowhere = scotty::simt::test::nowhere();
+        const std::string what =
+            memory.error_of(3, 64, [&](const Block& b) { follow(b, nullptr, nowhere); });
+        CHECK_THAT(what, Contains(", block 1 (64 threads): " + where));
+        // The device is as good as new.
+        memory.run(3, 64, [&](const Block& b) { follow(b, nullptr, memory.words.data()); });
+        CHECK(memory.words[0] == 1);
+    }
+    Memory memory({0, ScheduleKind::linear, 0});
+    memory.words.discard();
+    std::fill_n(memory.words.data(), 1024, 0xcdcdcdcd);
+    std::uint32_t* const words = memory.words.data();
+    const std::string what =
+        memory.error_of(3, 64, [&](const Block& b) { follow(b, words, words); });
+    CHECK_THAT(what, Contains("nobody has written the test's words, byte 0 of 4096: thread 0 of "
+                              "block 0 reads it at " +
+                              line(kFollowed - 1)));
+    CHECK_THAT(what, Contains(where));
 }
 
 TEST_CASE("volume checker: a slot written twice names both writers", "[simt][checker][volume]") {
