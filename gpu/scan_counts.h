@@ -78,8 +78,10 @@ SCOTTY_KERNEL(scan_counts)(LevelView level, std::uint32_t rays_per_block) {
     std::uint32_t* out = blocks ? level.block_offsets : level.child_offsets;
 
     const std::uint32_t index = tile * block_size() + thread_index();
+    // After an overflow queues are shorter than their counts say: levels get no blocks any more.
+    const bool counts = !blocks || level.faults->node_overflow == 0;
     const std::uint32_t value =
-        index < count ? scan_input(level, blocks, rays_per_block, index) : 0;
+        index < count && counts ? scan_input(level, blocks, rays_per_block, index) : 0;
     const BlockRank rank = SCOTTY_AWAIT(block_exclusive_scan(value, shared.threads));
     if (warp_index() == 0) {
         std::uint32_t before = 0;

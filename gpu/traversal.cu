@@ -241,23 +241,34 @@ bool Traversal::overflowed() const {
     return faults.hits_needed != 0 || faults.queue_needed != 0 || faults.node_overflow != 0;
 }
 
+reference::Error Traversal::overflow_of(std::uint32_t node, const StagePlace& place) const {
+    std::uint32_t above = 0;
+    while (scene_.level_begins()[above + 2] <= node) ++above;
+    const LevelView level = level_view(above);
+    const std::uint32_t child = node - level.first_child_node;
+    const auto region = download(level.child_offsets + child, 2, "queue offsets");
+    const auto pushed = download(level.child_counts + child, 1, "queue lengths");
+    const StageKind kind = above == 0 ? StageKind::intersect_root : StageKind::intersect;
+    return reference::Error::internal(place.at_level(above).name(kind) + ": the queue of node " +
+                                      std::to_string(node) + " has " +
+                                      std::to_string(region[1] - region[0]) + " slots, but " +
+                                      std::to_string(pushed[0]) + " rays were pushed to it");
+}
+
 bool Traversal::grow(const StagePlace& place) {
     FaultView faults{};
     check(cudaMemcpyAsync(&faults, faults_.data(), sizeof(faults), cudaMemcpyDeviceToHost, stream_),
           "reading the fault flags of " + place.name(StageKind::merge_intersections));
     check(cudaStreamSynchronize(stream_), "running " + place.name(StageKind::merge_intersections));
     const std::string stage = place.name(StageKind::merge_intersections);
+    // First: what followed an overflow means nothing.
+    if (faults.node_overflow != 0) throw overflow_of(faults.node_overflow - 1, place);
     if (faults.queue_needed != 0) {
         const std::string sizes = std::to_string(faults.queue_needed) + " entries, capacity " +
                                   std::to_string(queue_capacity_);
         queue_capacity_ = std::max<std::size_t>(faults.queue_needed, 2 * queue_capacity_);
         log_.retry(stage, "a level's queues need " + sizes);
         return true;
-    }
-    if (faults.node_overflow != 0) {
-        throw reference::Error::internal(stage + ": the queue of node " +
-                                         std::to_string(faults.node_overflow - 1) +
-                                         " got more rays than its region has slots");
     }
     if (faults.hits_needed != 0) {
         const std::string sizes = std::to_string(faults.hits_needed) + " hits, the buffer had " +

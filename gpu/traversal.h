@@ -52,6 +52,8 @@ class Traversal {
     void launch_merge(const reference::StagePlace& place, reference::Hit* merged);
     template <int Width>
     void launch_intersect(const reference::StagePlace& place, const LevelView& level);
+    /// Names stage, node and sizes.
+    reference::Error overflow_of(std::uint32_t node, const reference::StagePlace& place) const;
     /// True when something grew and the traversal has to run again.
     bool grow(const reference::StagePlace& place);
     void show_scan(const reference::StagePlace& place, const LevelView& level);

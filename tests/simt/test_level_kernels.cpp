@@ -195,6 +195,24 @@ TEST_CASE(
     }
 }
 
+TEST_CASE("scan_counts: after an overflow no level has blocks, which would read unwritten slots",
+          "[simt][kernels]") {
+    Level<4> level({200, 200}, 5);
+    level.scan(64);
+    const Words children = level.child_offsets;
+    FaultView faults{};
+    faults.node_overflow = 2;
+    Executor executor;
+    executor.launch("scan_counts", level.scan_blocks(), simt::kScanThreads, simt::scan_counts,
+                    level.cuda_view(faults), 64u);
+    CHECK(level.block_offsets == Words(level.block_offsets.size(), 0));
+    CHECK(level.child_offsets == children);
+    const simt::BvhView<4> bvh{level.inner.data(), nullptr, nullptr, level.node_refs.data()};
+    executor.launch("intersect", 3, 64, simt::intersect<4>, bvh, nullptr, level.cuda_view(faults),
+                    HitView{}, MinimumView{}, false);
+    CHECK(level.child_counts == Words(level.child_counts.size(), 0));
+}
+
 TEST_CASE("intersect_root: all rays by id, begun, whether or not blocks take several turns",
           "[simt][kernels]") {
     for (const std::uint32_t threads : {32u, 128u, 1024u}) {

@@ -8,6 +8,7 @@
 #include "tests/verify/command_tools.h"
 #include "verify/mutants/judge.h"
 #include "verify/mutants/plant.h"
+#include "verify/ray_file.h"
 #include "verify/shard.h"
 
 using namespace scotty::verify;
@@ -235,4 +236,28 @@ TEST_CASE("mutants: a planted fault fails the command that it is planted in", "[
     CHECK(two.exit_code == kExitFailed);
     CHECK(two.out.find("[pixels]") != std::string::npos);
     CHECK(two.out.find("--plant mean_not_divided") != std::string::npos);
+}
+
+TEST_CASE("mutants: where nobody looks between levels an overflow ends them all the same",
+          "[verify][mutants]") {
+    if (!can_plant()) return;
+    const scotty::verify::test::TemporaryFolder folder;
+    RayFile rays;
+    for (int i = 0; i < 200; ++i) {
+        const float x = -0.9f + 0.009f * static_cast<float>(i);
+        rays.rays.push_back({{x, 1.0f, 3.0f}, 0.0f, {0.0f, -0.1f, -1.0f}, 100.0f});
+    }
+    write_rays(folder.file("a.ray"), rays);
+    const std::string trace = "trace --scene spheres --rays '" + folder.file("a.ray") +
+                              "' --backend simt --check --width 4 --leaf-size 1";
+    const Result right = run_scotty(trace);
+    INFO(right.err);
+    CHECK(right.exit_code == kExitPassed);
+    const Result wrong = run_scotty(trace + " --plant region_too_small");
+    INFO(wrong.err);
+    CHECK(wrong.exit_code == kExitInternal);
+    CHECK_THAT(wrong.err, Catch::Matchers::Matches(
+                              "(.|\n)*level\\d+/intersect\\w*: the queue of node \\d+ has "
+                              "\\d+ slots, but \\d+ rays were pushed to it(.|\n)*"));
+    CHECK(wrong.err.find("nobody has written") == std::string::npos);
 }

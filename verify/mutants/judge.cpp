@@ -107,7 +107,6 @@ std::string kind_of_error(const std::string& says) {
         {"its threads part", "divergence"},
         {"with a mask that it is not in", "divergence"},
         {"reached memory that is not there", "bad-address"},
-        {"more rays than its region has slots", "capacity"},
         {"were pushed to it", "capacity"}};
     for (const auto& [words, kind] : kinds) {
         if (says.find(words) != std::string::npos) return kind;
