@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# fuzz.sh build [all]      builds fuzz_files with the preset "fuzz" (clang and its libFuzzer); all: the command line's, too
+# fuzz.sh build            builds the fuzzers with the preset "fuzz" (clang and its libFuzzer)
 # fuzz.sh short READER     a few thousand inputs, the same every time; what is found is left in build/fuzz/found/
-# fuzz.sh long SECONDS     every reader that is built in turn, that long together; new inputs go to build/fuzz/inputs/
+# fuzz.sh long SECONDS     every reader in turn, that long together; new inputs go to build/fuzz/inputs/
 # Exit codes: 0 nothing found, 77 no clang with libFuzzer here (fails with SCOTTY_REQUIRE_FUZZ=1).
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -31,21 +31,19 @@ fuzz() { # READER NEW_INPUTS OPTION...
 case ${1:-} in
     build)
         cmake --preset fuzz >/dev/null
-        ninja -C "$build" fuzz_files ${2:+fuzz_command_line} | tail -n 5
+        ninja -C "$build" fuzz_files fuzz_command_line | tail -n 5
         ;;
     short)
         inputs=$(mktemp -d)
         trap 'rm -rf "$inputs"' EXIT
         runs=4000
-        [[ $2 == obj ]] && runs=300 # its library is slow to start
+        [[ $2 == obj || $2 == command_line ]] && runs=300 # their libraries are slow to start
         fuzz "$2" "$inputs" -seed=1 -runs=$runs
         ;;
     long)
-        readers=()
-        for folder in "$corpus"/*/; do
-            reader=$(basename "$folder")
-            [[ -x $(program "$reader") ]] && readers+=("$reader")
-        done
+        readers=("$corpus"/*/)
+        readers=("${readers[@]%/}")
+        readers=("${readers[@]##*/}")
         for reader in "${readers[@]}"; do
             echo "$reader"
             fuzz "$reader" "$build/inputs/$reader" -max_total_time=$(($2 / ${#readers[@]}))
