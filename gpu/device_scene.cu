@@ -1,8 +1,9 @@
+#include <algorithm>
 #include <variant>
 
 #include "gpu/device_scene.h"
 #include "gpu/dialect.h"
-#include "gpu/subtree_refs.h"
+#include "gpu/subtree_nodes.h"
 
 namespace SCOTTY_DEVICE_NAMESPACE {
 
@@ -18,6 +19,18 @@ std::vector<std::uint32_t> positions_of_parents(const reference::WideBvh& bvh) {
     return positions;
 }
 
+/// Inner nodes with an id below `end`.
+std::uint32_t inner_before(const reference::WideBvh& bvh, std::uint32_t end) {
+    return static_cast<std::uint32_t>(
+        std::count_if(bvh.node_refs.begin(), bvh.node_refs.begin() + end,
+                      [](std::uint32_t ref) { return !reference::is_leaf(ref); }));
+}
+
+template <class T>
+std::span<const std::uint8_t> bytes_of(const std::vector<T>& records, std::size_t count) {
+    return {reinterpret_cast<const std::uint8_t*>(records.data()), count * sizeof(T)};
+}
+
 }  // namespace
 
 DeviceScene::DeviceScene(const reference::Scene& scene, const reference::WideBvh& bvh,
@@ -25,7 +38,7 @@ DeviceScene::DeviceScene(const reference::Scene& scene, const reference::WideBvh
     : width_(bvh.width),
       level_begins_(bvh.level_begins),
       has_subtrees_(bvh.has_subtrees()),
-      packed_leaves_(can_pack(bvh)),
+      first_subtree_(inner_before(bvh, bvh.level_begins[bvh.level_count() - 1])),
       vertices_(budget),
       normals_(budget),
       triangles_(budget),
@@ -33,8 +46,9 @@ DeviceScene::DeviceScene(const reference::Scene& scene, const reference::WideBvh
       materials_(budget),
       lights_(budget),
       inner_(budget),
+      subtrees_(budget),
       leaves_(budget),
-      leaf_triangles_(budget),
+      triangle_rows_(budget),
       node_refs_(budget),
       parent_positions_(budget) {
     vertices_.upload(scene.vertices, "vertices");
@@ -45,22 +59,14 @@ DeviceScene::DeviceScene(const reference::Scene& scene, const reference::WideBvh
     lights_.upload(scene.lights, "lights");
     std::visit(
         [&](const auto& nodes) {
-            const auto upload = [&](const auto& of) {
-                inner_.upload(
-                    {reinterpret_cast<const std::uint8_t*>(of.data()), of.size() * sizeof(of[0])},
-                    "BVH nodes");
-            };
-            if (!has_subtrees_) {
-                upload(nodes);
-                return;
-            }
-            auto with_refs = nodes;  // the host keeps ids
-            make_subtree_refs(bvh, packed_leaves_, with_refs);
-            upload(with_refs);
+            inner_.upload(bytes_of(nodes, inner_before(bvh, bvh.level_begins.back())), "BVH nodes");
+            if (!has_subtrees_) return;
+            const auto subtrees = subtree_nodes(bvh, nodes, first_subtree_);
+            subtrees_.upload(bytes_of(subtrees, subtrees.size()), "BVH nodes below the queues");
         },
         bvh.inner);
     leaves_.upload(bvh.leaves, "BVH leaves");
-    leaf_triangles_.upload(bvh.triangles, "BVH triangles");
+    triangle_rows_.upload(triangle_rows(bvh), "BVH triangles");
     node_refs_.upload(bvh.node_refs, "BVH node references");
     parent_positions_.upload(positions_of_parents(bvh), "BVH parents");
 

@@ -18,8 +18,12 @@ class DeviceScene {
     reference::SceneView view() const { return view_; }
     template <int Width>
     BvhView<Width> bvh() const {
-        return {reinterpret_cast<const reference::WideNode<Width>*>(inner_.data()), leaves_.data(),
-                leaf_triangles_.data(), node_refs_.data(), packed_leaves_ ? 1u : 0u};
+        return {reinterpret_cast<const reference::WideNode<Width>*>(inner_.data()),
+                leaves_.data(),
+                triangle_rows_.data(),
+                node_refs_.data(),
+                reinterpret_cast<const SubtreeNode<Width>*>(subtrees_.data()),
+                first_subtree_};
     }
     /// By node id: the parent's position in its level.
     const std::uint32_t* parent_positions() const { return parent_positions_.data(); }
@@ -40,15 +44,15 @@ class DeviceScene {
     int width_;
     std::vector<std::uint32_t> level_begins_;
     bool has_subtrees_;
-    bool packed_leaves_;
+    std::uint32_t first_subtree_;  ///< inner nodes of the levels above
     reference::SceneView view_;
     DeviceMemory<reference::Vec3> vertices_, normals_;
     DeviceMemory<std::uint32_t> triangles_, material_of_;
     DeviceMemory<reference::Material> materials_;
     DeviceMemory<reference::Light> lights_;
-    DeviceMemory<std::uint8_t> inner_;
+    DeviceMemory<std::uint8_t> inner_, subtrees_;
     DeviceMemory<reference::Leaf> leaves_;
-    DeviceMemory<reference::LeafTriangle> leaf_triangles_;
+    DeviceMemory<TriangleRows> triangle_rows_;
     DeviceMemory<std::uint32_t> node_refs_, parent_positions_;
 };
 

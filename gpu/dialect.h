@@ -23,6 +23,10 @@
 
 /// A kernel; its parameter list follows.
 #define SCOTTY_KERNEL(name) static __global__ void name
+/// The same with registers for no more than `threads` a block and no less than `blocks` at once on
+/// a multiprocessor.
+#define SCOTTY_KERNEL_SIZED(threads, blocks, name) \
+    static __global__ void __launch_bounds__(threads, blocks) name
 /// A device function without barriers or collectives.
 #define SCOTTY_DEVICE __device__ __forceinline__
 /// A device function with barriers or collectives; call it through SCOTTY_AWAIT.
@@ -54,7 +58,6 @@ inline void label_memory(const void* /*memory*/, const char* /*name*/) {}
 inline void discard_slots(const void* /*memory*/, std::size_t /*bytes*/) {}
 
 constexpr std::uint32_t kWarpSize = 32;
-constexpr std::uint32_t kRoundsOfBlocks = 16;  ///< where blocks start as others end
 constexpr std::uint32_t kWholeWarp = 0xffffffffu;
 
 SCOTTY_DEVICE std::uint32_t thread_index() { return threadIdx.x; }
@@ -137,6 +140,22 @@ SCOTTY_DEVICE void store_relaxed(std::uint64_t* target, std::uint64_t value) {
 SCOTTY_DEVICE std::uint32_t float_bits(float value) { return __float_as_uint(value); }
 SCOTTY_DEVICE float bits_float(std::uint32_t bits) { return __uint_as_float(bits); }
 
+/// The greatest of three by their bits as signed integers, one instruction from Hopper on: the
+/// greatest number too, unless all are negative.
+SCOTTY_DEVICE float greatest_bits(float a, float b, float c) {
+    return __int_as_float(__vimax3_s32(__float_as_int(a), __float_as_int(b), __float_as_int(c)));
+}
+SCOTTY_DEVICE float greatest_bits(float a, float b) {
+    return __int_as_float(max(__float_as_int(a), __float_as_int(b)));
+}
+/// The least of three likewise: the least number too, or some negative one where any is negative.
+SCOTTY_DEVICE float least_bits(float a, float b, float c) {
+    return __int_as_float(__vimin3_s32(__float_as_int(a), __float_as_int(b), __float_as_int(c)));
+}
+SCOTTY_DEVICE float least_bits(float a, float b) {
+    return __int_as_float(min(__float_as_int(a), __float_as_int(b)));
+}
+
 template <class Record, class Piece>
 SCOTTY_DEVICE Record load_pieces(const Record* source) {
     union {
@@ -150,15 +169,27 @@ SCOTTY_DEVICE Record load_pieces(const Record* source) {
     }
     return loaded.record;
 }
-/// In pieces of 16 or 8 bytes, for which records are aligned.
+/// In pieces of 16, 8 or 4 bytes, for which records are aligned.
 template <class Record>
 SCOTTY_DEVICE Record load_record(const Record* source) {
-    static_assert(sizeof(Record) % 8 == 0, "whole 8-byte loads");
+    static_assert(sizeof(Record) % 4 == 0, "whole words");
     if constexpr (sizeof(Record) % 16 == 0) {
         return load_pieces<Record, float4>(source);
-    } else {
+    } else if constexpr (sizeof(Record) % 8 == 0) {
         return load_pieces<Record, float2>(source);
+    } else {
+        return load_pieces<Record, float>(source);
     }
+}
+template <class Record>
+SCOTTY_DEVICE void store_record(Record* target, const Record& value) {
+    static_assert(sizeof(Record) == 16, "one 16-byte store");
+    union {
+        float4 piece;
+        Record record;
+    } stored;
+    stored.record = value;
+    *reinterpret_cast<float4*>(target) = stored.piece;
 }
 
 }  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -20,7 +20,7 @@ struct IntersectShared {
     reference::WideNode<Width> node;
     std::uint32_t warp_counts[Width][kIntersectWarps];
     std::uint32_t base[Width];
-    reference::LeafTriangle triangles[kLeafChunk];
+    TriangleRows triangles[kLeafChunk];
 };
 
 /// A thread's place: in the queue of which node, and which entry of it.
@@ -165,10 +165,10 @@ SCOTTY_DEVICE float limit_of(std::uint32_t ray_id, const reference::Ray& ray, bo
 /// Closest hit of each ray of the block in one leaf; triangles come through shared memory.
 template <int Width>
 SCOTTY_COLLECTIVE(void)
-intersect_leaf(const reference::Leaf& leaf, const reference::LeafTriangle* triangles, bool active,
+intersect_leaf(const reference::Leaf& leaf, const TriangleRows* triangles, bool active,
                std::uint32_t ray_id, const reference::Ray& ray, float limit, const HitView& hits,
                const MinimumView& minimum, IntersectShared<Width>& shared) {
-    constexpr std::uint32_t kWords = sizeof(reference::LeafTriangle) / 4;
+    constexpr std::uint32_t kWords = sizeof(TriangleRows) / 4;
     const reference::Vec3 inverse = reference::safe_inverse(ray.direction);
     const reference::RayShear shear = reference::ray_shear(ray.direction);
     reference::Hit best = reference::no_hit();
@@ -181,14 +181,15 @@ intersect_leaf(const reference::Leaf& leaf, const reference::LeafTriangle* trian
         }
         SCOTTY_SYNC();
         for (std::uint32_t i = 0; active && i < chunk; ++i) {
-            const reference::LeafTriangle& triangle = shared.triangles[i];
+            const auto& [x, y, z] = shared.triangles[i].axis;
+            const std::uint32_t primitive = shared.triangles[i].primitive();
             reference::Hit hit = reference::no_hit();
-            if (reference::intersect_triangle_line(ray.origin, inverse, shear, triangle.v0,
-                                                   triangle.v1, triangle.v2, hit) &&
+            if (reference::intersect_triangle_line(ray.origin, inverse, shear, {x.v0, y.v0, z.v0},
+                                                   {x.v1, y.v1, z.v1}, {x.v2, y.v2, z.v2}, hit) &&
                 ray.t_min <= hit.t && hit.t < ray.t_max &&
-                reference::closer(hit.t, triangle.primitive, best.t, best.primitive)) {
+                reference::closer(hit.t, primitive, best.t, best.primitive)) {
                 best = hit;
-                best.primitive = triangle.primitive;
+                best.primitive = primitive;
             }
         }
         SCOTTY_SYNC();

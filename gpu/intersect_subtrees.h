@@ -1,112 +1,169 @@
-/// Kernels: the last level that has queues, where that is not the last of the tree. Rays go on from
-/// their nodes depth first: each alone where any hit will do (the order of visits is part of the
-/// result then), through the pool of a warp where the closest is asked for.
+/// Kernel: the last level that has queues, where that is not the last of the tree. Rays go on from
+/// their nodes depth first, each alone.
+///
+/// Warps stay, and take rays as they have lanes for them. Rays of one warp end at different times:
+/// where they are incoherent, lanes that are idle take new rays as soon as they are a few (Aila and
+/// Laine, "Understanding the Efficiency of Ray Traversal on GPUs", HPG 2009); where rays are
+/// coherent, or come from queues, the warp ends what it has, so that they stay side by side.
 #pragma once
 
 #include "gpu/dialect.h"
 #include "gpu/intersect.h"
-#include "gpu/merge_intersections.h"
-#include "gpu/subtree_access.h"
-#include "gpu/subtree_pool.h"
+#include "gpu/subtree_ray.h"
 #include "gpu/views.h"
-#include "reference/closest_in_subtree.h"
 
 namespace SCOTTY_DEVICE_NAMESPACE {
 
-/// At level 0 (`level.queue` is null) a ray's id is its place, and its traversal begins here.
-SCOTTY_DEVICE std::uint32_t queued_ray(const LevelView& level, std::uint32_t node,
-                                       std::uint32_t entry) {
-    return level.queue == nullptr ? entry : level.queue[level.queue_offsets[node] + entry];
-}
+constexpr std::uint32_t kSubtreeThreads = 128;
+constexpr std::uint32_t kSubtreeBlocks = 7;  ///< at once on a multiprocessor: 72 registers a thread
+constexpr std::uint32_t kIdleLanes = 8;      ///< of incoherent rays, before new ones are taken
 
-/// A ray of the queue, as its traversal is when it comes here.
-struct QueuedRay {
-    reference::Ray ray;
-    float limit;
+/// Where a traversal ends with its first launch a ray's hit is final then, and there is no buffer
+/// between that launch and what would merge it, nor, for shadow rays, what would resolve it.
+struct FinalHits {
+    reference::Hit* merged = nullptr;            ///< null: not here
+    const reference::Vec3* potential = nullptr;  ///< goes to the radiance of rays without a hit
+    reference::Vec3* radiance = nullptr;         ///< null: not here
 };
-SCOTTY_DEVICE QueuedRay load_queued(const reference::Ray* rays, std::uint32_t ray_id, bool first,
-                                    const HitView& hits, const MinimumView& minimum, bool merges) {
-    const reference::Ray ray = load_record(rays + ray_id);
-    if (first && !merges) begin_ray(ray_id, ray, hits, minimum);
-    return {ray, limit_of(ray_id, ray, first, minimum)};
-}
 
 template <int Width>
-SCOTTY_KERNEL(intersect_subtrees_any)
-(BvhView<Width> bvh, const reference::Ray* rays, LevelView level, HitView hits, MinimumView minimum,
- bool strided, FinalHits final_hits) {
-    if (level.faults->queue_needed != 0) SCOTTY_RETURN;
-    const bool merges = final_hits.merged != nullptr;
-    const SubtreeAccess<Width> access{bvh};
-    const BlockGrid grid = block_grid(level, strided);
-    for (std::uint32_t launched = block_index(); launched < grid.launched;
-         launched += grid_size()) {
-        const std::uint32_t id = logical_block(grid, launched);
-        if (id >= grid.total) continue;
-        const auto [node, entry] = SCOTTY_AWAIT(find_work(level, id));
-        if (entry >= level.node_counts[node]) continue;
-        const std::uint32_t ray_id = queued_ray(level, node, entry);
-        const auto [ray, limit] =
-            load_queued(rays, ray_id, level.queue == nullptr, hits, minimum, merges);
-        const reference::HitCandidate best = reference::closest_in_subtree<Width>(
-            access, access.root(level.first_node + node), ray, limit, true);
-        if (merges) {
-            merge_hit(final_hits.scene, best, ray.origin, reference::safe_inverse(ray.direction),
-                      reference::ray_shear(ray.direction), final_hits.merged[ray_id]);
-        } else if (best.primitive != reference::kNone) {
-            record_hit(ray_id, best, hits, minimum);
-        }
+SCOTTY_DEVICE void end_ray(const SubtreeRay<Width>& walk, std::uint32_t ray_id, const HitView& hits,
+                           const MinimumView& minimum, const FinalHits& final_hits) {
+    const bool hit = reference::is_hit(walk.best);
+    if (final_hits.merged != nullptr) {
+        store_record(final_hits.merged + ray_id, hit ? walk.best : reference::no_hit());
+    } else if (final_hits.radiance != nullptr) {
+        const bool alive = walk.t_min <= walk.t_max;
+        if (alive && !hit) final_hits.radiance[ray_id] += final_hits.potential[ray_id];
+    } else if (hit) {
+        record_hit(ray_id, {walk.best.t, walk.best.primitive}, hits, minimum);
     }
 }
 
-/// Blocks of one warp: each takes 32 rays of what is a block elsewhere.
-template <int Width>
-SCOTTY_KERNEL(intersect_subtrees_closest)
-(BvhView<Width> bvh, const reference::Ray* rays, LevelView level, HitView hits, MinimumView minimum,
- std::uint32_t rays_per_block, bool strided, FinalHits final_hits) {
-    SCOTTY_SHARED(SubtreePool<Width>, pool);
-    if (level.faults->queue_needed != 0) SCOTTY_RETURN;
-    const bool merges = final_hits.merged != nullptr;
-    const SubtreeAccess<Width> access{bvh};
-    const std::uint32_t parts = rays_per_block / kPoolRays;
-    const std::uint32_t place = lane_index();
-    const BlockGrid grid = block_grid(level, strided);
-    for (std::uint32_t launched = block_index(); launched < grid.launched * parts;
-         launched += grid_size()) {
-        const std::uint32_t id = logical_block(grid, launched / parts);
-        if (id >= grid.total) continue;
-        const std::uint32_t node =
-            SCOTTY_AWAIT(find_node(level.block_offsets, level.node_count, id));
-        const std::uint32_t begin =
-            (id - level.block_offsets[node]) * rays_per_block + launched % parts * kPoolRays;
-        const std::uint32_t end = level.node_counts[node];
-        if (begin >= end) continue;
-        const std::uint32_t count = end - begin < kPoolRays ? end - begin : kPoolRays;
-        const std::uint32_t root = access.root(level.first_node + node);
-        const bool at_leaf = reference::is_leaf(root);
-        if (place < count) {
-            const std::uint32_t ray_id = queued_ray(level, node, begin + place);
-            const auto [ray, limit] =
-                load_queued(rays, ray_id, level.queue == nullptr, hits, minimum, merges);
-            put_ray(pool, place, ray_id, ray, reference::slabs_of_subtree<Width>(access, root, ray),
-                    limit);
-            (at_leaf ? pool.leaves : pool.nodes)[place] =
-                visit_of(root, float_bits(reference::first_entry(ray)), place);
-        }
-        SCOTTY_SYNC();
-        SCOTTY_AWAIT(
-            empty_pool(pool, access, PoolCounts{at_leaf ? 0 : count, at_leaf ? count : 0}));
-        if (place < count) {
-            const reference::HitCandidate best = unpacked_hit(pool.best[place]);
-            if (merges) {
-                merge_hit(final_hits.scene, best, pool.origin_of(place), pool.inverse_of(place),
-                          pool.shear_of(place), final_hits.merged[pool.ray_id[place]]);
-            } else if (best.primitive != reference::kNone) {
-                record_hit(pool.ray_id[place], best, hits, minimum);
+/// Rays side by side that go much the same way, as most do with the first of them.
+SCOTTY_COLLECTIVE(bool) are_coherent(const reference::Vec3& direction) {
+    const float x = bits_float(SCOTTY_AWAIT(warp_shuffle(float_bits(direction.x), 0)));
+    const float y = bits_float(SCOTTY_AWAIT(warp_shuffle(float_bits(direction.y), 0)));
+    const float z = bits_float(SCOTTY_AWAIT(warp_shuffle(float_bits(direction.z), 0)));
+    const reference::Vec3 first(x, y, z);
+    const float along = reference::dot(direction, first);
+    const float lengths = reference::dot(direction, direction) * reference::dot(first, first);
+    const bool near = along > 0.0f && along * along > 0.5f * lengths;
+    SCOTTY_RETURN count_bits(SCOTTY_AWAIT(warp_ballot(near))) >= 3 * kWarpSize / 4;
+}
+
+/// The next `count` of what the launch's warps share.
+SCOTTY_COLLECTIVE(std::uint32_t) take(std::uint32_t* ticket, std::uint32_t count) {
+    std::uint32_t begin = 0;
+    if (lane_index() == 0) begin = atomic_add(ticket, count);
+    SCOTTY_RETURN SCOTTY_AWAIT(warp_shuffle(begin, 0));
+}
+
+/// What a warp takes next. At level 0, where a ray's id is its place, as many rays as it has idle
+/// lanes; of queues, 32 entries of what is a block elsewhere.
+struct TakenRays {
+    std::uint32_t node;
+    std::uint32_t entry;  ///< the lane's; no less than the queue's length where it has none
+    bool more;            ///< the launch may have more
+};
+SCOTTY_COLLECTIVE(TakenRays)
+take_rays(const LevelView& level, const BlockGrid& grid, std::uint32_t rays_per_block,
+          std::uint32_t ray_count, std::uint32_t idle) {
+    constexpr std::uint32_t kNoEntry = 0xffffffffu;
+    if (level.queue == nullptr) {
+        const std::uint32_t begin = SCOTTY_AWAIT(take(&level.ray_ticket->taken, count_bits(idle)));
+        const bool is_idle = (idle >> lane_index() & 1u) != 0;
+        SCOTTY_RETURN TakenRays{0, is_idle ? begin + count_bits(bits_below_lane(idle)) : kNoEntry,
+                                begin + count_bits(idle) < ray_count};
+    }
+    const std::uint32_t parts = rays_per_block / kWarpSize;
+    const std::uint32_t part = SCOTTY_AWAIT(take(&level.ray_ticket->taken, 1));
+    const bool more = part / parts < grid.launched;
+    const std::uint32_t id = more ? logical_block(grid, part / parts) : grid.total;
+    if (id >= grid.total) SCOTTY_RETURN TakenRays{0, kNoEntry, more};
+    const std::uint32_t node = SCOTTY_AWAIT(find_node(level.block_offsets, level.node_count, id));
+    SCOTTY_RETURN TakenRays{
+        node,
+        (id - level.block_offsets[node]) * rays_per_block + part % parts * kWarpSize + lane_index(),
+        more};
+}
+
+/// The last warp of a launch leaves the ticket to the next one, which then needs no clearing.
+SCOTTY_DEVICE void end_warp(RayTicket* ticket) {
+    if (lane_index() != 0) return;
+    const std::uint32_t warps = grid_size() * (block_size() / kWarpSize);
+    if (atomic_add(&ticket->warps_ended, 1) + 1 != warps) return;
+    const std::uint32_t taken = atomic_add(&ticket->taken, 0);
+    atomic_add(&ticket->taken, 0u - taken);
+    atomic_add(&ticket->warps_ended, 0u - warps);
+}
+
+/// Until there are no more rays.
+template <bool Any, int Width>
+SCOTTY_COLLECTIVE(void)
+trace_subtrees(const BvhView<Width>& bvh, const reference::Ray* rays, std::uint32_t ray_count,
+               const LevelView& level, const HitView& hits, const MinimumView& minimum,
+               std::uint32_t rays_per_block, bool strided, const FinalHits& final_hits) {
+    const bool first = level.queue == nullptr;
+    const bool is_final = final_hits.merged != nullptr || final_hits.radiance != nullptr;
+    const BlockGrid grid = first ? BlockGrid{} : block_grid(level, strided);
+    SubtreeStack stack;
+    SubtreeRay<Width> walk;
+    walk.at = reference::kNone;
+    std::uint32_t ray_id = reference::kNone;
+    std::uint32_t threshold = kWarpSize;
+    bool more = true;
+    for (;;) {
+        const std::uint32_t idle = SCOTTY_AWAIT(warp_ballot(walk.at == reference::kNone));
+        if (more && count_bits(idle) >= threshold) {
+            if (walk.at == reference::kNone && ray_id != reference::kNone) {
+                end_ray(walk, ray_id, hits, minimum, final_hits);
+                ray_id = reference::kNone;
             }
+            const TakenRays taken =
+                SCOTTY_AWAIT(take_rays(level, grid, rays_per_block, ray_count, idle));
+            more = taken.more;
+            reference::Ray ray = reference::dead_ray();
+            if (taken.entry < (first ? ray_count : level.node_counts[taken.node])) {
+                ray_id = first ? taken.entry
+                               : level.queue[level.queue_offsets[taken.node] + taken.entry];
+                ray = load_record(rays + ray_id);
+                if (first && !is_final) begin_ray(ray_id, ray, hits, minimum);
+                begin_subtree(walk, bvh, bvh.node_refs[level.first_node + taken.node], ray,
+                              limit_of(ray_id, ray, first, minimum));
+            }
+            if (first && idle == kWholeWarp) {
+                threshold = SCOTTY_AWAIT(are_coherent(ray.direction)) ? kWarpSize : kIdleLanes;
+            }
+        } else if (idle == kWholeWarp) {
+            if (ray_id != reference::kNone) end_ray(walk, ray_id, hits, minimum, final_hits);
+            end_warp(level.ray_ticket);
+            SCOTTY_RETURN;
+        } else if (walk.at != reference::kNone) {
+            enter_nodes(walk, stack, bvh);
+            intersect_leaves<Any>(walk, stack, bvh);
         }
-        SCOTTY_SYNC();
     }
+}
+
+template <int Width>
+SCOTTY_KERNEL_SIZED(kSubtreeThreads, kSubtreeBlocks, intersect_subtrees_any)
+(BvhView<Width> bvh, const reference::Ray* rays, std::uint32_t ray_count, LevelView level,
+ HitView hits, MinimumView minimum, std::uint32_t rays_per_block, bool strided,
+ FinalHits final_hits) {
+    if (level.faults->queue_needed != 0) SCOTTY_RETURN;
+    SCOTTY_AWAIT(trace_subtrees<true>(bvh, rays, ray_count, level, hits, minimum, rays_per_block,
+                                      strided, final_hits));
+}
+
+template <int Width>
+SCOTTY_KERNEL_SIZED(kSubtreeThreads, kSubtreeBlocks, intersect_subtrees_closest)
+(BvhView<Width> bvh, const reference::Ray* rays, std::uint32_t ray_count, LevelView level,
+ HitView hits, MinimumView minimum, std::uint32_t rays_per_block, bool strided,
+ FinalHits final_hits) {
+    if (level.faults->queue_needed != 0) SCOTTY_RETURN;
+    SCOTTY_AWAIT(trace_subtrees<false>(bvh, rays, ray_count, level, hits, minimum, rays_per_block,
+                                       strided, final_hits));
 }
 
 }  // namespace SCOTTY_DEVICE_NAMESPACE

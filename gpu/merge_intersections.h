@@ -58,11 +58,4 @@ SCOTTY_KERNEL(merge_intersections)
               reference::ray_shear(ray.direction), merged[ray_id]);
 }
 
-/// Where traversal ends with its first launch: a ray's hit is final then, and there is no buffer
-/// between that launch and what would merge it. `merged` null: there is.
-struct FinalHits {
-    reference::SceneView scene;
-    reference::Hit* merged;
-};
-
 }  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -160,7 +160,7 @@ void DevicePipeline::render_batch(StagePlace place, const BatchView& batch) {
     launch_primary_rays(place, batch);
     place.bounce = 0;
     traversal_.run(paths_.rays.data(), paths_.count(), TraversalKind::closest, place,
-                   paths_.path_hits.data());
+                   {paths_.path_hits.data()});
     for (; place.bounce <= parameters_.bounces; ++place.bounce) shade_vertex(place);
     place.bounce = reference::kNotApplicable;
     launch_reconstruct(place, batch);
@@ -173,16 +173,21 @@ void DevicePipeline::shade_vertex(StagePlace place) {
     for (std::uint32_t light = 0; light < parameters_.light_samples; ++light) {
         place.light = light;
         launch_direct_light(place);
-        traversal_.run(paths_.shadow_rays.data(), paths_.count(), query, place,
-                       paths_.shadow_hits.data());
-        launch_resolve_light(place);
+        if (traversal_.is_one_launch()) {
+            traversal_.run(paths_.shadow_rays.data(), paths_.count(), query, place,
+                           {nullptr, paths_.potential.data(), paths_.radiance.data()});
+        } else {
+            traversal_.run(paths_.shadow_rays.data(), paths_.count(), query, place,
+                           {paths_.shadow_hits.data()});
+            launch_resolve_light(place);
+        }
     }
     place.light = reference::kNotApplicable;
     launch_scene_rays(place);
     if (place.bounce == parameters_.bounces) return;
     ++place.bounce;
     traversal_.run(paths_.rays.data(), paths_.count(), TraversalKind::closest, place,
-                   paths_.path_hits.data());
+                   {paths_.path_hits.data()});
 }
 
 void DevicePipeline::launch_primary_rays(const StagePlace& place, const BatchView& batch) {
@@ -285,7 +290,7 @@ void DevicePipeline::trace(std::span<const Ray> rays, TraversalKind kind, std::s
         trace_rays_.upload(rays.subspan(first, count), "rays");
         trace_hits_.resize(count, "hits");
         traversal_.run(trace_rays_.data(), static_cast<std::uint32_t>(count), kind, place,
-                       trace_hits_.data());
+                       {trace_hits_.data()});
         check(cudaMemcpy(hits.data() + first, trace_hits_.data(), count * sizeof(Hit),
                          cudaMemcpyDeviceToHost),
               "copying hits");
@@ -305,12 +310,12 @@ double DevicePipeline::time_trace(std::span<const Ray> rays, TraversalKind kind,
     check(cudaEventCreate(&end), "creating an event");
     for (int round = -2; round < repeats; ++round) {
         if (round < 0) {
-            traversal_.run(trace_rays_.data(), count, kind, {}, trace_hits_.data());
+            traversal_.run(trace_rays_.data(), count, kind, {}, {trace_hits_.data()});
             continue;
         }
         float milliseconds = 0.0f;
         check(cudaEventRecord(begin, stream_.get()), "recording an event");
-        traversal_.enqueue(trace_rays_.data(), count, kind, {}, trace_hits_.data());
+        traversal_.enqueue(trace_rays_.data(), count, kind, {}, {trace_hits_.data()});
         check(cudaEventRecord(end, stream_.get()), "recording an event");
         check(cudaEventSynchronize(end), "tracing");
         check(cudaEventElapsedTime(&milliseconds, begin, end), "timing");

@@ -1,4 +1,5 @@
-/// Kernel: one thread per pixel generates all its rays of this batch.
+/// Kernel: as many threads as pixels generate all rays of this batch. A block's threads share its
+/// pixels' samples, so that those side by side write side by side.
 #pragma once
 
 #include "gpu/dialect.h"
@@ -9,12 +10,13 @@ namespace SCOTTY_DEVICE_NAMESPACE {
 
 SCOTTY_KERNEL(primary_rays)
 (BatchView batch, reference::Camera camera, reference::PathParameters parameters, PathView paths) {
-    const std::uint32_t pixel_in_batch = block_index() * block_size() + thread_index();
-    if (pixel_in_batch >= batch.pixels) SCOTTY_RETURN;
-    const std::uint32_t pixel = batch.first_pixel + pixel_in_batch;
-    for (std::uint32_t i = 0; i < batch.samples; ++i) {
-        const std::uint32_t ray_id = pixel_in_batch * batch.samples + i;
-        const std::uint32_t sample = batch.first_sample + i;
+    const std::uint32_t first = block_index() * block_size();
+    const std::uint32_t left = batch.pixels - first;
+    const std::uint32_t pixels = left < block_size() ? left : block_size();
+    for (std::uint32_t i = thread_index(); i < pixels * batch.samples; i += block_size()) {
+        const std::uint32_t ray_id = first * batch.samples + i;
+        const std::uint32_t pixel = batch.first_pixel + first + i / batch.samples;
+        const std::uint32_t sample = batch.first_sample + i % batch.samples;
         paths.rays[ray_id] = reference::primary_ray(camera, parameters, pixel, sample);
         paths.throughput[ray_id] = reference::Vec3(1.0f, 1.0f, 1.0f);
         paths.radiance[ray_id] = reference::Vec3(0.0f, 0.0f, 0.0f);
@@ -24,6 +26,7 @@ SCOTTY_KERNEL(primary_rays)
         paths.depth[ray_id] = 0;
         paths.flags[ray_id] = reference::kPathAlive;
     }
+    SCOTTY_RETURN;
 }
 
 }  // namespace SCOTTY_DEVICE_NAMESPACE

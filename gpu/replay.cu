@@ -273,6 +273,7 @@ void StageRun::level() {
     const auto child_queue = empty<std::uint32_t>(in.child_offsets.back(), "child_queue");
     const auto child_counts = empty<std::uint32_t>(nodes.child_count, "child_counts");
     check(cudaMemset(child_counts.data(), 0, nodes.child_count * 4), "clearing child_counts");
+    const auto ray_ticket = zeros<RayTicket>(1, "ray ticket");
     const LevelView view{nodes.first,
                          nodes.count,
                          nodes.first_child,
@@ -288,7 +289,8 @@ void StageRun::level() {
                          child_queue.data(),
                          nullptr,
                          nullptr,
-                         faults().data()};
+                         faults().data(),
+                         ray_ticket.data()};
     const std::uint32_t blocks = std::min(kLevelBlocks, in.block_offsets.back());
     switch (bvh_.width) {
         case 2:
@@ -328,8 +330,9 @@ void StageRun::launch_level(const LevelView& view, const Array<Ray>& rays, const
     const bool strided = parameters_.block_order == reference::BlockOrder::strided;
     if (bvh_.is_level_of_subtrees(stage_.level)) {
         launch_subtrees<Width>(
-            {scene_.bvh<Width>(), rays.data(), view, hits, minimum, strided && stage_.level > 0},
-            blocks, threads, FinalHits{scene_.view(), nullptr}, nullptr);
+            {scene_.bvh<Width>(), rays.data(), static_cast<std::uint32_t>(rays.size()), view, hits,
+             minimum, strided && stage_.level > 0},
+            blocks, threads, {}, nullptr);
     } else if (stage_.kind == StageKind::intersect_root) {
         SCOTTY_LAUNCH(intersect_root<Width>, blocks, threads, nullptr, scene_.bvh<Width>(),
                       rays.data(), static_cast<std::uint32_t>(rays.size()), view, hits, minimum);

@@ -39,10 +39,9 @@ std::uint32_t resident_blocks(Kernel kernel, int rays_per_block) {
 /// Blocks of launches whose work the host does not know, by kernel.
 template <int Width>
 LevelBlocks level_blocks(int rays_per_block) {
-    // Rays of subtrees are unequal work, which blocks that start as others end even out.
     return {resident_blocks(intersect<Width>, rays_per_block),
-            kRoundsOfBlocks * resident_blocks(intersect_subtrees_any<Width>, rays_per_block),
-            kRoundsOfBlocks * resident_blocks(intersect_subtrees_closest<Width>, kPoolRays)};
+            std::max(resident_blocks(intersect_subtrees_any<Width>, kSubtreeThreads),
+                     resident_blocks(intersect_subtrees_closest<Width>, kSubtreeThreads))};
 }
 
 LevelBlocks level_blocks(int width, int rays_per_block) {
@@ -56,6 +55,10 @@ LevelBlocks level_blocks(int width, int rays_per_block) {
         default:
             return level_blocks<16>(rays_per_block);
     }
+}
+
+StageKind level_stage(const StagePlace& place) {
+    return place.level == 0 ? StageKind::intersect_root : StageKind::intersect;
 }
 
 }  // namespace
@@ -79,6 +82,7 @@ Traversal::Traversal(const DeviceScene& scene, const reference::PipelineParamete
       packed_(budget),
       minimum_(budget),
       lowered_(budget),
+      ray_ticket_(budget),
       faults_(budget) {
     scan_begins_.push_back(0);
     for (std::uint32_t level = 0; level < scene.level_count(); ++level) {
@@ -99,20 +103,25 @@ void Traversal::release() {
 }
 
 void Traversal::run(const reference::Ray* rays, std::uint32_t count, reference::TraversalKind kind,
-                    const StagePlace& place, reference::Hit* merged) {
+                    const StagePlace& place, const FinalHits& hits) {
     do {
-        enqueue(rays, count, kind, place, merged);
-    } while (grow(place));
+        enqueue(rays, count, kind, place, hits);
+    } while (!is_one_launch() && grow(place));
 }
 
 void Traversal::enqueue(const reference::Ray* rays, std::uint32_t count,
                         reference::TraversalKind kind, const StagePlace& place,
-                        reference::Hit* merged) {
+                        const FinalHits& hits) {
     rays_ = rays;
     count_ = count;
     kind_ = kind;
-    merged_ = merged;
-    prepare(count);
+    final_hits_ = is_one_launch() ? hits : FinalHits{};
+    prepare_levels();
+    if (is_one_launch()) {
+        launch_kernel(place.at_level(0), level_view(0));
+        return;
+    }
+    prepare_rays(count);
     clear(place);
     for (std::uint32_t level = 0; level < scene_.level_count(); ++level) {
         const StagePlace here = place.at_level(level);
@@ -123,21 +132,27 @@ void Traversal::enqueue(const reference::Ray* rays, std::uint32_t count,
             if (std::all_of(counts.begin(), counts.end(), [](auto c) { return c == 0; })) break;
         }
         if (!launch_level(here)) return;  // run() grows what was too small
-        if (merges_itself()) return;
         if (parameters_.early_out == EarlyOut::level) launch_publish(here);
         swap(queue_, child_queue_);
     }
-    launch_merge(place, merged);
+    launch_merge(place, hits.merged);
 }
 
-void Traversal::prepare(std::uint32_t count) {
+void Traversal::prepare_levels() {
     const std::size_t nodes = scene_.level_begins().back();
     const std::size_t offsets = nodes + 2 * scene_.level_count() + 2;
     node_counts_.resize(nodes, "queue lengths");
     queue_offsets_.resize(offsets, "queue offsets");
     block_offsets_.resize(offsets, "block offsets");
     scans_.resize(scan_begins_.back(), "scan tiles");
+    if (ray_ticket_.size() != 0) return;
     faults_.resize(1, "fault flags");
+    ray_ticket_.resize(1, "ray ticket");
+    check(cudaMemset(faults_.data(), 0, sizeof(FaultView)), "clearing the fault flags");
+    check(cudaMemset(ray_ticket_.data(), 0, sizeof(RayTicket)), "clearing the ray ticket");
+}
+
+void Traversal::prepare_rays(std::uint32_t count) {
     queue_capacity_ = std::max(queue_capacity_, 2 * static_cast<std::size_t>(count) *
                                                     static_cast<std::size_t>(scene_.width()));
     queue_.resize(queue_capacity_, "ray queues");
@@ -158,7 +173,9 @@ void Traversal::clear(const StagePlace& place) {
     const auto scans = static_cast<std::uint32_t>(scans_.size());
     SCOTTY_LAUNCH(clear_traversal, item_blocks(std::max(nodes, scans)), kItemThreads, stream_,
                   count_, nodes, node_counts_.data(), scans, scans_.data(), faults_.data());
-    check(cudaGetLastError(), "clearing before " + place.name(StageKind::merge_intersections));
+    if (const cudaError_t status = cudaGetLastError(); status != cudaSuccess) {
+        check(status, "clearing before " + place.name(StageKind::merge_intersections));
+    }
 }
 
 bool Traversal::launch_level(const StagePlace& place) {
@@ -170,27 +187,32 @@ bool Traversal::launch_level(const StagePlace& place) {
     });
     if (log_.observed() && overflowed()) return false;
     if (log_.wants(StageKind::scan_counts)) show_scan(place, level);
-    const StageKind kind = place.level == 0 ? StageKind::intersect_root : StageKind::intersect;
     discard_slots(child_queue_.data(), child_queue_.size() * 4);
-    log_.run(kind, place, level_blocks_.queues, place.level == 0 ? count_ : 0, stream_, [&] {
-        switch (scene_.width()) {
-            case 2:
-                launch_intersect<2>(place, level);
-                break;
-            case 4:
-                launch_intersect<4>(place, level);
-                break;
-            case 8:
-                launch_intersect<8>(place, level);
-                break;
-            default:
-                launch_intersect<16>(place, level);
-                break;
-        }
-    });
+    launch_kernel(place, level);
     if (log_.observed() && overflowed()) return false;
+    const StageKind kind = level_stage(place);
     if (log_.wants(kind)) show_level(place, level);
     return true;
+}
+
+void Traversal::launch_kernel(const StagePlace& place, const LevelView& level) {
+    log_.run(level_stage(place), place, level_blocks_.queues, place.level == 0 ? count_ : 0,
+             stream_, [&] {
+                 switch (scene_.width()) {
+                     case 2:
+                         launch_intersect<2>(place, level);
+                         break;
+                     case 4:
+                         launch_intersect<4>(place, level);
+                         break;
+                     case 8:
+                         launch_intersect<8>(place, level);
+                         break;
+                     default:
+                         launch_intersect<16>(place, level);
+                         break;
+                 }
+             });
 }
 
 template <int Width>
@@ -198,17 +220,13 @@ void Traversal::launch_intersect(const StagePlace& place, const LevelView& level
     const auto threads = static_cast<std::uint32_t>(parameters_.rays_per_block);
     const bool strided = parameters_.block_order == reference::BlockOrder::strided;
     if (scene_.is_level_of_subtrees(place.level)) {
-        const MinimumView minimum = minimum_view();
-        std::uint32_t blocks = ends_with_any_hit(minimum) ? level_blocks_.subtrees_any
-                                                          : level_blocks_.subtrees_closest;
+        std::uint32_t blocks = level_blocks_.subtrees;
         if (place.level == 0) {
-            const std::uint32_t at_once = subtree_threads(minimum, threads);
-            blocks = (count_ + at_once - 1) / at_once;
+            blocks = std::min(blocks, (count_ + kSubtreeThreads - 1) / kSubtreeThreads);
         }
-        launch_subtrees<Width>(
-            {scene_.bvh<Width>(), rays_, level, hit_view(), minimum, strided && place.level > 0},
-            blocks, threads, FinalHits{scene_.view(), merges_itself() ? merged_ : nullptr},
-            stream_);
+        launch_subtrees<Width>({scene_.bvh<Width>(), rays_, count_, level, hit_view(),
+                                minimum_view(), strided && place.level > 0},
+                               blocks, threads, final_hits_, stream_);
     } else if (place.level == 0) {
         const std::uint32_t blocks = (count_ + threads - 1) / threads;
         SCOTTY_LAUNCH(intersect_root<Width>, std::min(blocks, level_blocks_.queues), threads,
@@ -299,7 +317,8 @@ LevelView Traversal::level_view(std::uint32_t level) const {
             child_queue_.data(),
             reinterpret_cast<std::uint32_t*>(scans_.data() + scan_begins_[level]),
             scans_.data() + scan_begins_[level] + 1,
-            faults_.data()};
+            faults_.data(),
+            ray_ticket_.data()};
 }
 
 HitView Traversal::hit_view() const {

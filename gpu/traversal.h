@@ -12,6 +12,7 @@
 #include "gpu/device_memory.h"
 #include "gpu/device_scene.h"
 #include "gpu/dialect.h"
+#include "gpu/intersect_subtrees.h"
 #include "gpu/launch_log.h"
 #include "gpu/views.h"
 #include "reference/pipeline_parameters.h"
@@ -21,7 +22,7 @@ namespace SCOTTY_DEVICE_NAMESPACE {
 /// Blocks of a launch, by kernel.
 struct LevelBlocks {
     std::uint32_t queues;
-    std::uint32_t subtrees_any, subtrees_closest;
+    std::uint32_t subtrees;
 };
 
 class Traversal {
@@ -29,24 +30,32 @@ class Traversal {
     Traversal(const DeviceScene& scene, const reference::PipelineParameters& parameters,
               MemoryBudget& budget, LaunchLog& log, cudaStream_t stream);
 
-    /// One hit per ray into `merged`; both in device memory. Grows queues and hit buffers and runs
-    /// again until nothing was too small. Throws OutOfDeviceMemory where it cannot grow.
+    /// One hit per ray into `hits.merged`, in device memory; where is_one_launch() says so, the
+    /// potential of rays without one may be added to the radiance instead. Grows queues and hit
+    /// buffers and runs again until nothing was too small. Throws OutOfDeviceMemory where it cannot
+    /// grow.
     void run(const reference::Ray* rays, std::uint32_t count, reference::TraversalKind kind,
-             const reference::StagePlace& place, reference::Hit* merged);
+             const reference::StagePlace& place, const FinalHits& hits);
 
     /// Queues one traversal without looking at its faults: what is timed, after run() has sized
     /// the buffers for the same rays.
     void enqueue(const reference::Ray* rays, std::uint32_t count, reference::TraversalKind kind,
-                 const reference::StagePlace& place, reference::Hit* merged);
+                 const reference::StagePlace& place, const FinalHits& hits);
+
+    /// Without queues a ray's hit is final when its launch ends: nothing is buffered, and what
+    /// nobody looks at is neither merged nor resolved in a launch of its own.
+    bool is_one_launch() const { return !log_.observed() && scene_.is_level_of_subtrees(0); }
 
     void release();
 
  private:
-    void prepare(std::uint32_t count);
+    void prepare_levels();
+    void prepare_rays(std::uint32_t count);
     void clear(const reference::StagePlace& place);
     /// False, and the level not shown, where something was too small. Only an observed traversal
     /// looks; one that is not finds out at its end.
     bool launch_level(const reference::StagePlace& place);
+    void launch_kernel(const reference::StagePlace& place, const LevelView& level);
     bool overflowed() const;
     void launch_publish(const reference::StagePlace& place);
     void launch_merge(const reference::StagePlace& place, reference::Hit* merged);
@@ -65,9 +74,6 @@ class Traversal {
     LevelView level_view(std::uint32_t level) const;
     HitView hit_view() const;
     MinimumView minimum_view() const;
-    /// Without queues a ray's hit is final when its launch ends: nothing is buffered, and what
-    /// nobody looks at is not merged in a launch of its own.
-    bool merges_itself() const { return !log_.observed() && scene_.is_level_of_subtrees(0); }
     bool culls() const { return parameters_.early_out != reference::EarlyOut::off; }
 
     const DeviceScene& scene_;
@@ -79,7 +85,7 @@ class Traversal {
     const reference::Ray* rays_ = nullptr;
     std::uint32_t count_ = 0;
     reference::TraversalKind kind_ = reference::TraversalKind::closest;
-    reference::Hit* merged_ = nullptr;
+    FinalHits final_hits_;  ///< of a traversal of one launch
 
     std::size_t queue_capacity_ = 0;
     std::uint32_t hit_capacity_;
@@ -94,6 +100,7 @@ class Traversal {
     DeviceMemory<reference::HitCandidate> candidates_;
     DeviceMemory<std::uint64_t> packed_;
     DeviceMemory<float> minimum_, lowered_;
+    DeviceMemory<RayTicket> ray_ticket_;
     DeviceMemory<FaultView> faults_;
 };
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "gpu/dialect.h"
+#include "gpu/subtree_nodes.h"
 #include "reference/pipeline_parameters.h"
 #include "reference/records.h"
 
@@ -14,12 +15,14 @@ constexpr std::uint64_t kNoPackedHit = ~std::uint64_t{0};
 
 template <int Width>
 struct BvhView {
+    /// As far as there are queues, and the roots of the subtrees.
     const reference::WideNode<Width>* inner;
     const reference::Leaf* leaves;
-    const reference::LeafTriangle* triangles;
+    const TriangleRows* triangles;
     const std::uint32_t* node_refs;
-    /// Leaves below the queues are in their parents: subtree_refs.h.
-    std::uint32_t packed_leaves = 0;
+    /// From inner node `first_subtree` on; null: none.
+    const SubtreeNode<Width>* subtrees = nullptr;
+    std::uint32_t first_subtree = 0;
 };
 
 struct PathView {
@@ -63,6 +66,12 @@ struct MinimumView {
     float* lowered;  ///< the same array under `immediate`
 };
 
+/// What the warps of a launch take rays by.
+struct RayTicket {
+    std::uint32_t taken;
+    std::uint32_t warps_ended;
+};
+
 /// One level and the next. Node indices are positions within their level.
 struct LevelView {
     std::uint32_t first_node;
@@ -82,6 +91,7 @@ struct LevelView {
     std::uint32_t* scan_ticket;
     std::uint64_t* scan_tiles;
     FaultView* faults;
+    RayTicket* ray_ticket = nullptr;  ///< of intersect_subtrees, which leaves it as it was: zero
 };
 
 struct FilterView {

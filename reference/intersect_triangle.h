@@ -77,13 +77,17 @@ SCOTTY_HD ShearedTriangle shear(const RayShear& ray, const Vec3& a, const Vec3& 
             b.y - ray.sy * b.z, c.x - ray.sx * c.z, c.y - ray.sy * c.z};
 }
 
-/// Hit of the whole line with the triangle, t not yet compared with the ray's interval.
-/// Returns false on a miss and leaves `hit` alone; the primitive id is the caller's.
-SCOTTY_HD bool intersect_triangle_line(const Vec3& origin, const Vec3& inverse, const RayShear& ray,
-                                       const Vec3& v0, const Vec3& v1, const Vec3& v2, Hit& hit) {
-    const Vec3 a = swap_axes(v0 - origin, ray.kz);
-    const Vec3 b = swap_axes(v1 - origin, ray.kz);
-    const Vec3 c = swap_axes(v2 - origin, ray.kz);
+/// A line that passes through a triangle, before its t is known to be in the triangle's box.
+struct Crossing {
+    EdgeFunctions edges;
+    float determinant;
+    float t;  ///< NaN where it cannot be told
+};
+
+/// Where the line crosses the triangle `a`, `b`, `c`: vertices relative to the ray's origin, axes
+/// swapped. Returns false where it passes outside.
+SCOTTY_HD bool crosses(const RayShear& ray, const Vec3& a, const Vec3& b, const Vec3& c,
+                       Crossing& crossing) {
     const ShearedTriangle sheared = shear(ray, a, b, c);
     EdgeFunctions e = edge_functions(sheared);
     if (outside(e)) return false;
@@ -94,17 +98,37 @@ SCOTTY_HD bool intersect_triangle_line(const Vec3& origin, const Vec3& inverse, 
     const float determinant = e.u + e.v + e.w;
     if (!(abs_of(determinant) > 0.0f)) return false;
     const float scaled_t = e.u * (ray.sz * a.z) + e.v * (ray.sz * b.z) + e.w * (ray.sz * c.z);
-    const Vec3 low = min_number(min_number(v0, v1), v2);
-    const Vec3 high = max_number(max_number(v0, v1), v2);
+    crossing = {e, determinant, scaled_t / determinant};
+    return true;
+}
+
+/// The hit of a crossing, its t cut to the ray's interval through the triangle's own padded box,
+/// which lies in [low, high]; axes swapped for all arguments or for none. Returns false, and leaves
+/// `hit` alone, where the ray misses the box.
+SCOTTY_HD bool cut_to_box(const Crossing& crossing, const Vec3& origin, const Vec3& inverse,
+                          const Vec3& low, const Vec3& high, Hit& hit) {
     const BoxInterval box =
         intersect_box(ray_slabs(origin, inverse, box_pad(origin, low, high)), low, high);
     // A quotient that is NaN becomes the entry.
-    const float t = min_number(max_number(scaled_t / determinant, box.entry), box.exit);
+    const float t = min_number(max_number(crossing.t, box.entry), box.exit);
     if (!(box.entry <= t && t <= box.exit)) return false;
     hit.t = t + 0.0f;  // -0 becomes +0: distances are ordered by their bits
-    hit.u = e.v / determinant;
-    hit.v = e.w / determinant;
+    hit.u = crossing.edges.v / crossing.determinant;
+    hit.v = crossing.edges.w / crossing.determinant;
     return true;
+}
+
+/// Hit of the whole line with the triangle, t not yet compared with the ray's interval.
+/// Returns false on a miss and leaves `hit` alone; the primitive id is the caller's.
+SCOTTY_HD bool intersect_triangle_line(const Vec3& origin, const Vec3& inverse, const RayShear& ray,
+                                       const Vec3& v0, const Vec3& v1, const Vec3& v2, Hit& hit) {
+    Crossing crossing;
+    if (!crosses(ray, swap_axes(v0 - origin, ray.kz), swap_axes(v1 - origin, ray.kz),
+                 swap_axes(v2 - origin, ray.kz), crossing)) {
+        return false;
+    }
+    return cut_to_box(crossing, origin, inverse, min_number(min_number(v0, v1), v2),
+                      max_number(max_number(v0, v1), v2), hit);
 }
 
 /// The whole test for one ray and one triangle: a hit with t in [t_min, t_max).

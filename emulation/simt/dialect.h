@@ -15,6 +15,7 @@
 #define SCOTTY_DEVICE_NAMESPACE scotty::gpu::simt
 
 #define SCOTTY_KERNEL(name) inline ::scotty::emulation::simt::Kernel name
+#define SCOTTY_KERNEL_SIZED(threads, blocks, name) SCOTTY_KERNEL(name)
 #define SCOTTY_DEVICE inline
 #define SCOTTY_COLLECTIVE(type) inline ::scotty::emulation::simt::Task<type>
 #define SCOTTY_SYNC() (co_await ::scotty::emulation::simt::Barrier(SCOTTY_SITE(barrier)))
@@ -38,7 +39,6 @@ namespace SCOTTY_DEVICE_NAMESPACE {
 
 constexpr std::uint32_t kWarpSize = emulation::simt::kLanes;
 constexpr std::uint32_t kWholeWarp = 0xffffffffu;
-constexpr std::uint32_t kRoundsOfBlocks = 1;  // a thread of the CPU takes block after block anyway
 
 inline void label_memory(const void* memory, const char* name) {
     emulation::simt::label_on_current_device(memory, name);
@@ -111,10 +111,27 @@ SCOTTY_DEVICE void store_relaxed(std::uint64_t* target, std::uint64_t value) {
 SCOTTY_DEVICE std::uint32_t float_bits(float value) { return std::bit_cast<std::uint32_t>(value); }
 SCOTTY_DEVICE float bits_float(std::uint32_t bits) { return std::bit_cast<float>(bits); }
 
+SCOTTY_DEVICE float greatest_bits(float a, float b) {
+    return std::bit_cast<std::int32_t>(a) > std::bit_cast<std::int32_t>(b) ? a : b;
+}
+SCOTTY_DEVICE float greatest_bits(float a, float b, float c) {
+    return greatest_bits(greatest_bits(a, b), c);
+}
+SCOTTY_DEVICE float least_bits(float a, float b) {
+    return std::bit_cast<std::int32_t>(a) < std::bit_cast<std::int32_t>(b) ? a : b;
+}
+SCOTTY_DEVICE float least_bits(float a, float b, float c) {
+    return least_bits(least_bits(a, b), c);
+}
+
 template <class Record>
 SCOTTY_DEVICE Record load_record(const Record* source) {
-    static_assert(sizeof(Record) % 8 == 0, "whole 8-byte loads");
+    static_assert(sizeof(Record) % 4 == 0, "whole words");
     return *source;
+}
+template <class Record>
+SCOTTY_DEVICE void store_record(Record* target, const Record& value) {
+    *target = value;
 }
 
 }  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -264,6 +264,8 @@ struct OneLeaf {
         const std::uint32_t ref = scotty::reference::kLeafBit;
         const Words queue_offsets{0, count};
         const Words blocks{0, (count + threads - 1) / threads};
+        std::vector<simt::TriangleRows> rows;
+        for (const auto& triangle : triangles) rows.push_back(simt::rows_of(triangle));
         FaultView faults{};
         LevelView level{};
         level.node_count = 1;
@@ -273,8 +275,8 @@ struct OneLeaf {
         level.block_offsets = const_cast<std::uint32_t*>(blocks.data());
         level.faults = &faults;
         executor.launch("intersect", 4, threads, simt::intersect<8>,
-                        simt::BvhView<8>{nullptr, &leaf, triangles.data(), &ref}, rays.data(),
-                        level, hits, minimum, false);
+                        simt::BvhView<8>{nullptr, &leaf, rows.data(), &ref}, rays.data(), level,
+                        hits, minimum, false);
     }
 
     scotty::reference::Scene scene;

@@ -3,6 +3,7 @@
 /// Reads a pipeline input (`scotty capture SCENE -o DIR --input-only`), runs on the device, writes
 /// a capture, an image and timings. The diff runs anywhere.
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -80,17 +81,25 @@ struct RunOptions {
     Overrides overrides;
 };
 
-void print_timings(gpu::Pipeline& pipeline) {
+/// `seconds`: of the render by the host's clock, the picture's way back included.
+void print_timings(gpu::Pipeline& pipeline, const PipelineParameters& p, double seconds) {
     std::map<reference::StageKind, std::pair<int, double>> by_kind;
+    double kernels = 0.0;
     for (const reference::LaunchRecord& launch : pipeline.launches()) {
-        auto& [count, seconds] = by_kind[launch.kind];
+        auto& [count, sum] = by_kind[launch.kind];
         ++count;
-        seconds += launch.seconds;
+        sum += launch.seconds;
+        kernels += launch.seconds;
     }
     for (const auto& [kind, sum] : by_kind) {
-        std::printf("%-20s %6d launches %10.3f ms\n", reference::to_string(kind), sum.first,
-                    1e3 * sum.second);
+        std::printf("%-20s %6d launches %10.3f ms %5.1f %%\n", reference::to_string(kind),
+                    sum.first, 1e3 * sum.second, 100.0 * sum.second / kernels);
     }
+    const double samples = static_cast<double>(p.image_width) * p.image_height * p.spp;
+    std::printf("kernels together %.3f ms; the render by the host's clock %.3f ms\n", 1e3 * kernels,
+                1e3 * seconds);
+    std::printf("at 8 queries a sample, as the report counts: %.1f Mrays/s, by the clock %.1f\n",
+                8e-6 * samples / kernels, 8e-6 * samples / seconds);
 }
 
 int run(const RunOptions& options) {
@@ -103,8 +112,11 @@ int run(const RunOptions& options) {
         image = pipeline->render();
         if (options.timings) {
             pipeline->clear_launches();  // the first render warmed the device up
+            const auto begin = std::chrono::steady_clock::now();
             pipeline->render();
-            print_timings(*pipeline);
+            print_timings(
+                *pipeline, input.parameters,
+                std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
         }
     } else {
         verify::CaptureWriter writer(
@@ -143,40 +155,56 @@ int run(const RunOptions& options) {
 }
 
 struct TraceOptions {
-    std::string input, rays, hits;
+    std::string input, hits;
+    std::vector<std::string> rays;
     bool any = false;
     int repeats = 25;
     Overrides overrides;
 };
 
+void print_rate(const std::string& name, std::size_t rays, double seconds) {
+    std::printf("  %-40s %10zu rays %9.3f ms %8.1f Mrays/s\n", name.c_str(), rays, 1e3 * seconds,
+                1e-6 * static_cast<double>(rays) / seconds);
+}
+
 int trace(const TraceOptions& options) {
     verify::PipelineInput input = verify::read_pipeline_input(options.input);
-    const verify::RayFile rays = verify::read_rays(options.rays);
-    const bool any = options.any || rays.any_hit;
-    const auto kind = any ? reference::TraversalKind::any : reference::TraversalKind::closest;
-    input.parameters.batch_rays = std::max<std::uint32_t>(
-        input.parameters.batch_rays, static_cast<std::uint32_t>(rays.rays.size()));
+    if (options.rays.size() > 1 && !options.hits.empty()) {
+        throw reference::Error::bad_input("--output", "expected one ray file, found several");
+    }
+    std::vector<verify::RayFile> files;
+    for (const std::string& name : options.rays) {
+        files.push_back(verify::read_rays(name));
+        input.parameters.batch_rays = std::max<std::uint32_t>(
+            input.parameters.batch_rays, static_cast<std::uint32_t>(files.back().rays.size()));
+    }
     apply(options.overrides, input);
 
     const auto pipeline = gpu::make_pipeline(input.scene, input.bvh, input.parameters);
-    std::vector<reference::Hit> hits(rays.rays.size());
-    pipeline->trace(rays.rays, kind, hits);
-    if (!options.hits.empty()) {
-        std::vector<reference::HitCandidate> records;
-        records.reserve(hits.size());
-        for (const reference::Hit& hit : hits) records.push_back(verify::hit_record(hit, any));
-        verify::write_hits(options.hits, records);
+    const reference::PipelineParameters& p = input.parameters;
+    std::printf("%s: width %d, %d rays a block, queue levels %u, early-out %s, hit mode %s\n",
+                input.scene.name.c_str(), input.bvh.width, p.rays_per_block, p.queue_levels,
+                reference::to_string(p.early_out), reference::to_string(p.hit_mode));
+    std::size_t all_rays = 0;
+    double all_seconds = 0.0;
+    for (std::size_t i = 0; i < files.size(); ++i) {
+        const auto& rays = files[i].rays;
+        const bool any = options.any || files[i].any_hit;
+        const auto kind = any ? reference::TraversalKind::any : reference::TraversalKind::closest;
+        std::vector<reference::Hit> hits(rays.size());
+        pipeline->trace(rays, kind, hits);
+        if (!options.hits.empty()) {
+            std::vector<reference::HitCandidate> records;
+            records.reserve(hits.size());
+            for (const reference::Hit& hit : hits) records.push_back(verify::hit_record(hit, any));
+            verify::write_hits(options.hits, records);
+        }
+        const double seconds = pipeline->time_trace(rays, kind, options.repeats);
+        print_rate(options.rays[i], rays.size(), seconds);
+        all_rays += rays.size();
+        all_seconds += seconds;
     }
-    const double seconds = pipeline->time_trace(rays.rays, kind, options.repeats);
-    std::printf(
-        "%s %s width %d rays-per-block %d queue-levels %u early-out %s hit-mode %s: %zu rays, %.3f "
-        "ms, %.1f "
-        "Mrays/s\n",
-        input.scene.name.c_str(), options.rays.c_str(), input.bvh.width,
-        input.parameters.rays_per_block, input.parameters.queue_levels,
-        reference::to_string(input.parameters.early_out),
-        reference::to_string(input.parameters.hit_mode), rays.rays.size(), 1e3 * seconds,
-        1e-6 * static_cast<double>(rays.rays.size()) / seconds);
+    if (files.size() > 1) print_rate("together", all_rays, all_seconds);
     return 0;
 }
 
@@ -217,10 +245,10 @@ int main(int argc, char** argv) {
                           "Keep the capture's index, not its buffers");
     run_command->add_flag("--timings", run_options.timings, "Print time by kernel");
     add_overrides(*run_command, run_options.overrides);
-    CLI::App* trace_command = app.add_subcommand("trace", "Traces a ray file and times it");
+    CLI::App* trace_command = app.add_subcommand("trace", "Traces ray files and times them");
     trace_command->add_option("--input", trace_options.input, "Directory of a pipeline input")
         ->required();
-    trace_command->add_option("--rays", trace_options.rays, "Ray file")->required();
+    trace_command->add_option("--rays", trace_options.rays, "Ray files")->required();
     trace_command->add_option("-o,--output", trace_options.hits, "Hit file to write");
     trace_command->add_flag("--any", trace_options.any, "Any hit, whatever the file says");
     trace_command->add_option("--repeats", trace_options.repeats, "Timed rounds (median)")

@@ -8,6 +8,7 @@
 #define __shared__ __attribute__((shared))
 #define __constant__ __attribute__((constant))
 #define __forceinline__ inline __attribute__((always_inline))
+#define __launch_bounds__(...) __attribute__((launch_bounds(__VA_ARGS__)))
 
 #define CUDART_VERSION 12000
 
@@ -66,11 +67,20 @@ __device__ inline unsigned __float_as_uint(float value) {
 }
 __device__ inline int __float_as_int(float value) { return __builtin_bit_cast(int, value); }
 __device__ inline float __uint_as_float(unsigned bits) { return __builtin_bit_cast(float, bits); }
+__device__ inline float __int_as_float(int bits) { return __builtin_bit_cast(float, bits); }
+__device__ inline int max(int a, int b) { return a > b ? a : b; }
+__device__ inline int min(int a, int b) { return a < b ? a : b; }
+__device__ inline int __vimax3_s32(int a, int b, int c) { return max(max(a, b), c); }
+__device__ inline int __vimin3_s32(int a, int b, int c) { return min(min(a, b), c); }
+__device__ inline float __ldg(const float* source) { return *source; }
 __device__ inline float2 __ldg(const float2* source) { return *source; }
 __device__ inline float4 __ldg(const float4* source) { return *source; }
 __device__ inline unsigned long long __umul64hi(unsigned long long a, unsigned long long b) {
     return static_cast<unsigned long long>((static_cast<unsigned __int128>(a) * b) >> 64);
 }
+__device__ inline float fabsf(float value) { return __builtin_fabsf(value); }
+__device__ inline float fminf(float a, float b) { return __nvvm_fmin_f(a, b); }
+__device__ inline float fmaxf(float a, float b) { return __nvvm_fmax_f(a, b); }
 __device__ inline float sqrtf(float value) { return __builtin_sqrtf(value); }
 __device__ inline void* memcpy(void* to, const void* from, unsigned long bytes) {
     return __builtin_memcpy(to, from, bytes);
