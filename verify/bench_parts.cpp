@@ -34,11 +34,11 @@ void slowest_first(std::vector<BenchPart>& parts) {
 
 std::string part_rows(const char* heading, const std::vector<BenchPart>& parts, double of,
                       std::size_t most) {
-    std::string out = fmt::format("\n{:<28} {:>10} {:>6} {:>9} {:>10} {:>12} {:>10}\n", heading,
+    std::string out = fmt::format("\n{:<34} {:>10} {:>6} {:>9} {:>10} {:>12} {:>10}\n", heading,
                                   "ms", "%", "launches", "blocks", "items", "us/launch");
     for (std::size_t i = 0; i < std::min(most, parts.size()); ++i) {
         const BenchPart& part = parts[i];
-        out += fmt::format("{:<28} {:>10.3f} {:>6.1f} {:>9} {:>10} {:>12} {:>10.1f}\n", part.name,
+        out += fmt::format("{:<34} {:>10.3f} {:>6.1f} {:>9} {:>10} {:>12} {:>10.1f}\n", part.name,
                            1e3 * part.seconds, of > 0.0 ? 100.0 * part.seconds / of : 0.0,
                            part.launches, part.blocks, part.items,
                            1e6 * part.seconds / static_cast<double>(part.launches));

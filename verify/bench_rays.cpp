@@ -174,8 +174,8 @@ TracedRays trace_by_turns(const reference::Scene& scene, const reference::WideBv
 std::string table(const TracedRays& rays) {
     const bool alone = rays.backend.empty();
     std::string out = fmt::format("{:<10} {:>12}", "rays", "count");
-    if (!alone) out += fmt::format(" {:>14} {:>7}", rays.backend + " M/s", "+- %");
-    out += fmt::format(" {:>14} {:>7}", "Embree M/s", "+- %");
+    if (!alone) out += fmt::format(" {:>14} {:>7}", rays.backend + " M/s", "IQR %");
+    out += fmt::format(" {:>14} {:>7}", "Embree M/s", "IQR %");
     out += alone ? "\n" : fmt::format(" {:>9}\n", "ratio");
     for (const BenchRays& kind : rays.kinds) out += ray_row(kind, alone);
     return out + ray_row(rays.all, alone);

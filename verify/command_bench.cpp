@@ -149,8 +149,8 @@ void add_bench_command(CLI::App& app, Action& action) {
         "The rays of every traversal of one render are collected first and then traced by both, "
         "in\n"
         "turn: the same rays, threads and machine. Embree traces single rays. Figures are medians; "
-        "+- is\n"
-        "the range between the quartiles. docs/benchmarks.md says what each column means.");
+        "IQR is\n"
+        "the range between the quartiles. What each column means: docs/benchmarks.md.");
     auto options = std::make_shared<BenchOptions>();
     options->settings.parameters.image_width = 512;
     options->settings.parameters.image_height = 512;

@@ -217,9 +217,9 @@ void OccupancyCounter::finish(const StageView& stage) {
     }
     TraversalCounts whole;
     whole.name = kind;
-    for (std::size_t l = 0; l < levels_.size(); ++l) {
-        whole.add(levels_[l]);
-        row_of(done_.levels, levels_[l].name).add(levels_[l]);
+    for (const TraversalCounts& level : levels_) {
+        whole.add(level);
+        row_of(done_.levels, level.name).add(level);
     }
     whole.rays = rays.size() - whole.dead;
     whole.hits = static_cast<std::uint64_t>(
