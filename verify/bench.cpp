@@ -14,15 +14,20 @@ namespace scotty::verify {
 
 namespace {
 
-/// Holds TBB, and with it Embree's tracing, to the threads asked for.
-class ThreadLimit {
- public:
-    explicit ThreadLimit(std::size_t threads) {
-        if (threads != 0) limit_.emplace(tbb::global_control::max_allowed_parallelism, threads);
+/// What every measurement of a scene needs; while it lives, TBB and with it Embree's tracing are
+/// held to the threads asked for.
+struct Prepared {
+    Prepared(const reference::Scene& scene, const BenchSettings& settings) : embree(scene) {
+        reference::validate(settings.parameters);
+        if (settings.threads != 0) {
+            limit.emplace(tbb::global_control::max_allowed_parallelism, settings.threads);
+        }
+        bvh = build_wide_bvh(scene, bvh_parameters(settings.parameters, settings.threads));
     }
 
- private:
-    std::optional<tbb::global_control> limit_;
+    std::optional<tbb::global_control> limit;
+    reference::EmbreeTracer embree;
+    reference::WideBvh bvh;
 };
 
 Spread embree_renders(const reference::Scene& scene, const BenchSettings& settings,
@@ -43,15 +48,11 @@ Spread embree_renders(const reference::Scene& scene, const BenchSettings& settin
 
 }  // namespace
 
-double median(std::vector<double> values) { return spread_of(std::move(values)).median; }
-
 BenchReport bench_backend(const reference::Scene& scene, const BenchSettings& settings,
                           const std::string& backend) {
-    reference::validate(settings.parameters);
-    const ThreadLimit limit(settings.threads);
-    const reference::WideBvh bvh =
-        build_wide_bvh(scene, bvh_parameters(settings.parameters, settings.threads));
-    const reference::EmbreeTracer embree(scene);
+    const Prepared prepared(scene, settings);
+    const reference::EmbreeTracer& embree = prepared.embree;
+    const reference::WideBvh& bvh = prepared.bvh;
     BenchReport report;
     static_cast<BenchSubject&>(report) = subject_of(scene, settings);
     report.renders = measure_renders(scene, bvh,
@@ -66,11 +67,9 @@ BenchReport bench_backend(const reference::Scene& scene, const BenchSettings& se
 }
 
 EmbreeBenchReport bench_embree(const reference::Scene& scene, const BenchSettings& settings) {
-    reference::validate(settings.parameters);
-    const ThreadLimit limit(settings.threads);
-    const reference::WideBvh bvh =
-        build_wide_bvh(scene, bvh_parameters(settings.parameters, settings.threads));
-    const reference::EmbreeTracer embree(scene);
+    const Prepared prepared(scene, settings);
+    const reference::EmbreeTracer& embree = prepared.embree;
+    const reference::WideBvh& bvh = prepared.bvh;
     EmbreeBenchReport report;
     static_cast<BenchSubject&>(report) = subject_of(scene, settings);
     report.render = embree_renders(scene, settings, embree);

@@ -4,7 +4,6 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
-#include <vector>
 
 #include "verify/bench_occupancy.h"
 #include "verify/bench_parts.h"
@@ -40,8 +39,5 @@ EmbreeBenchReport bench_embree(const reference::Scene& scene, const BenchSetting
 
 std::string table(const EmbreeBenchReport& report);
 nlohmann::json to_json(const EmbreeBenchReport& report);
-
-/// The middle of the values (the lower middle of an even number); at least one value.
-double median(std::vector<double> values);
 
 }  // namespace scotty::verify

@@ -17,13 +17,6 @@ namespace fs = std::filesystem;
 using namespace scotty;
 using Catch::Matchers::Contains;
 
-TEST_CASE("bench: the median is the middle one, the lower of two", "[verify][bench]") {
-    CHECK(verify::median({3.0}) == 3.0);
-    CHECK(verify::median({5.0, 1.0, 3.0}) == 3.0);
-    CHECK(verify::median({4.0, 1.0, 3.0, 2.0}) == 2.0);
-    CHECK_THROWS_AS(verify::median({}), reference::Error);
-}
-
 TEST_CASE("bench: both tracers get the living rays of every traversal", "[verify][bench]") {
     verify::BenchSettings settings;
     settings.parameters.image_width = 16;
