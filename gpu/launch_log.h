@@ -37,7 +37,8 @@ class LaunchLog {
     void run(reference::StageKind kind, const reference::StagePlace& place, std::uint32_t blocks,
              std::uint64_t items, cudaStream_t stream, Launch&& launch) {
         Pending times{};
-        if (timings_) {
+        const bool timed = timings_ && keeps_records_;
+        if (timed) {
             check(cudaEventCreate(&times.begin), "creating an event");
             check(cudaEventCreate(&times.end), "creating an event");
             check(cudaEventRecord(times.begin, stream), "recording an event");
@@ -46,7 +47,7 @@ class LaunchLog {
         if (const cudaError_t status = cudaGetLastError(); status != cudaSuccess) {
             check(status, "launching " + place.name(kind));
         }
-        if (timings_) {
+        if (timed) {
             check(cudaEventRecord(times.end, stream), "recording an event");
             times.record = records_.size();
             pending_.push_back(times);

@@ -2,41 +2,24 @@
 
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
-#include <tbb/task_arena.h>
-#include <tbb/version.h>
 #include <unistd.h>
 
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "reference/error.h"
 #include "reference/tracers.h"
 #include "scenes/scenes.h"
 #include "verify/ask.h"
+#include "verify/machine.h"
 
 namespace scotty::verify {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-/// The value behind the first line that begins with `key`, as /proc files have them.
-std::string proc_value(const char* file, const std::string& key) {
-    std::ifstream in(file);
-    std::string line;
-    while (std::getline(in, line)) {
-        if (line.rfind(key, 0) != 0) continue;
-        const std::size_t colon = line.find(':');
-        if (colon == std::string::npos) continue;
-        const std::size_t begin = line.find_first_not_of(" \t", colon + 1);
-        return begin == std::string::npos ? "" : line.substr(begin);
-    }
-    return "";
-}
 
 /// A program on the PATH or in one of `also`; empty where it is not.
 std::string find_program(const std::string& name, const std::vector<std::string>& also) {
@@ -111,20 +94,21 @@ Finding find_scenes() {
 
 std::vector<Finding> examine_machine() {
     std::vector<Finding> findings;
-    const std::string model = proc_value("/proc/cpuinfo", "model name");
+    const MachineDescription machine = machine_description();
     findings.push_back(
         {"CPU", true, true,
-         fmt::format("{}, {} hardware threads, {} usable", model.empty() ? "unknown model" : model,
-                     std::thread::hardware_concurrency(),
-                     tbb::this_task_arena::max_concurrency())});
-    const auto gibibytes = [](const std::string& text) {
-        return static_cast<double>(std::strtoull(text.c_str(), nullptr, 10)) / (1024.0 * 1024.0);
-    };
-    findings.push_back({"memory", true, true,
-                        fmt::format("{:.1f} GiB, {:.1f} GiB available",
-                                    gibibytes(proc_value("/proc/meminfo", "MemTotal")),
-                                    gibibytes(proc_value("/proc/meminfo", "MemAvailable")))});
-    findings.push_back({"TBB", true, true, TBB_runtime_version()});
+         fmt::format("{}, {} cores, {} hardware threads, {} usable", machine.cpu, machine.cores,
+                     machine.hardware_threads, machine.usable_threads)});
+    const std::string available = proc_value("/proc/meminfo", "MemAvailable");
+    findings.push_back(
+        {"memory", true, true,
+         fmt::format("{}, {} available", readable_bytes(machine.memory_bytes),
+                     readable_bytes(1024 * std::strtoull(available.c_str(), nullptr, 10)))});
+    findings.push_back({"system", true, true, machine.os});
+    findings.push_back(
+        {"build", true, true,
+         fmt::format("{}, {}, {}", machine.build, machine.compiler, machine.vectors)});
+    findings.push_back({"TBB", true, true, machine.tbb});
     findings.push_back(find_embree());
     findings.push_back({"OpenImageIO", true, true,
                         fmt::format("{}, built against {}",
