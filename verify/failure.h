@@ -31,6 +31,7 @@ inline constexpr const char* kPathState = "path-state";
 inline constexpr const char* kPixels = "pixels";
 inline constexpr const char* kShading = "shading";
 inline constexpr const char* kFilter = "filter";
+inline constexpr const char* kUnwatched = "same-unwatched";  ///< a render that nobody watches
 }  // namespace invariant
 
 /// One violation. Numbers that do not apply are kNotApplicable, words that do not are empty.

@@ -159,14 +159,21 @@ std::vector<Failure> compare(const Recording& baseline, const Recording& other, 
                                       exact(baseline.radiance[i]), exact(other.radiance[i])));
         break;
     }
-    for (std::size_t p = 0; p < baseline.image.pixels.size(); ++p) {
-        if (same_bits(baseline.image.pixels[p], other.image.pixels[p])) continue;
-        failures.push_back(difference("the image", "reconstruct_image", p * spp, spp,
-                                      fmt::format("image[{}]", p), exact(baseline.image.pixels[p]),
-                                      exact(other.image.pixels[p])));
-        break;
+    if (auto failure = compare_images(baseline.image, other.image, spp)) {
+        failures.push_back(std::move(*failure));
     }
     return failures;
+}
+
+std::optional<Failure> compare_images(const reference::Image& baseline,
+                                      const reference::Image& other, std::uint32_t spp) {
+    for (std::size_t p = 0; p < baseline.pixels.size(); ++p) {
+        if (same_bits(baseline.pixels[p], other.pixels[p])) continue;
+        return difference("the image", "reconstruct_image", p * spp, spp,
+                          fmt::format("image[{}]", p), exact(baseline.pixels[p]),
+                          exact(other.pixels[p]));
+    }
+    return std::nullopt;
 }
 
 }  // namespace scotty::verify

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -68,5 +69,8 @@ class Observers : public reference::StageObserver {
 /// and image, in the order in which they arose.
 std::vector<Failure> compare(const Recording& baseline, const Recording& other, bool occlusion_only,
                              std::uint32_t spp);
+/// The first pixel whose bits differ; images of one size.
+std::optional<Failure> compare_images(const reference::Image& baseline,
+                                      const reference::Image& other, std::uint32_t spp);
 
 }  // namespace scotty::verify

@@ -202,9 +202,34 @@ class SceneVerification {
                 ++out.counts.failures;
             }
         }
+        if (out.counts.failures == 0 && settings_.stage_pattern.empty()) {
+            check_unwatched(bvh, p, backend, recording.image, out);
+        }
         if (settings_.schedules != 0) run_schedules(bvh, p, out);
         out.seconds = seconds_since(start);
         return recording;
+    }
+
+    /// Where nobody watches, a pipeline may leave out what only an observer sees: another way
+    /// through it, which must come to the same picture.
+    void check_unwatched(const reference::WideBvh& bvh, const PipelineParameters& p,
+                         const Backend& backend, const reference::Image& watched,
+                         ConfigurationReport& out) {
+        Failure failure;
+        try {
+            const auto found =
+                compare_images(watched, backend.render(input_of(bvh, p), nullptr), p.spp);
+            if (!found) return;
+            failure = *found;
+            failure.sentence = fmt::format("pixel {} is another where nobody watches the launches",
+                                           failure.ray / p.spp);
+        } catch (const reference::Error& error) {
+            failure.sentence = error.what();
+        }
+        failure.invariant = invariant::kUnwatched;
+        failure.stage = "render";
+        out.failures.push_back(std::move(failure));
+        ++out.counts.failures;
     }
 
     void run_schedules(const reference::WideBvh& bvh, const PipelineParameters& p,
