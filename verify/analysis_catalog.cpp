@@ -28,6 +28,7 @@ AnalysisPoint of(const char* label, double y) { return {0.0, label, y, y, y}; }
 /// Points at 0, 1, 2, ...
 std::vector<AnalysisPoint> by_level(const std::vector<double>& values) {
     std::vector<AnalysisPoint> points;
+    points.reserve(values.size());
     for (const double value : values)
         points.push_back(at(static_cast<double>(points.size()), value));
     return points;

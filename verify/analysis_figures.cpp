@@ -37,6 +37,7 @@ double unit_of(const std::vector<AnalysisPoint>& points, Relative relative) {
 
 std::vector<ChartSeries> chart_series(const std::vector<FigureSeries>& all, Relative relative) {
     std::vector<ChartSeries> out;
+    out.reserve(all.size());
     for (const FigureSeries& one : all) {
         out.push_back({one.name, one.color, one.style, drawn(*one.points, relative)});
     }

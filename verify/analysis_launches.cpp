@@ -93,7 +93,7 @@ AnalysisResult analyze_bounces(const AnalysisSettings& settings, AnalysisRenders
     std::map<std::string, double> living;
     for (const QueryCensus& query : renders.counted(result.parameters)) {
         const std::string name = query_name(query.bounce, query.light);
-        if (living.count(name) == 0) order.push_back(name);
+        if (!living.contains(name)) order.push_back(name);
         living[name] += static_cast<double>(query.rays);
     }
     AnalysisSeries a_ray;

@@ -33,9 +33,9 @@ void spread(std::vector<EndLabel>& labels, double top, double bottom) {
         least = label.at + kChartRow;
     }
     double most = bottom;
-    for (auto label = labels.rbegin(); label != labels.rend(); ++label) {
-        label->at = std::min(label->at, most);
-        most = label->at - kChartRow;
+    for (std::size_t i = labels.size(); i-- > 0;) {
+        labels[i].at = std::min(labels[i].at, most);
+        most = labels[i].at - kChartRow;
     }
 }
 

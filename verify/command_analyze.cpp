@@ -83,10 +83,13 @@ int measure(AnalyzeOptions& options, const CLI::App& command) {
     settings.finished = [&](const AnalysisRun& run) { write_json(options, {run}); };
     const std::vector<AnalysisRun> runs{analyze(scene, settings)};
     progress.clear();
-    if (runs[0].results.empty()) return kExitStopped + signals.received();
-    write_all(options, runs);
-    print(options, runs);
-    return signals.received() != 0 ? kExitStopped + signals.received() : kExitPassed;
+    const int signal = signals.received();
+    if (signal != 0) spdlog::warn("stopped; {} analyses were finished", runs[0].results.size());
+    if (!runs[0].results.empty()) {
+        write_all(options, runs);
+        print(options, runs);
+    }
+    return signal != 0 ? kExitStopped + signal : kExitPassed;
 }
 
 constexpr const char* kAnalyzeFooter = R"(Examples:
