@@ -10,7 +10,7 @@ double AnalysisPoint::column(const std::string& name) const {
     for (const auto& [each, value] : more) {
         if (each == name) return value;
     }
-    throw Error::internal("an analysis has no column '" + name + "'");
+    throw Error::bad_input("analysis", "a point has no column '" + name + "'");
 }
 
 const AnalysisSeries& AnalysisResult::named(std::size_t panel,
@@ -18,7 +18,7 @@ const AnalysisSeries& AnalysisResult::named(std::size_t panel,
     for (const AnalysisSeries& one : series) {
         if (one.panel == panel && one.name == series_name) return one;
     }
-    throw Error::internal(name + " has no series '" + series_name + "'");
+    throw Error::bad_input("analysis", name + " has no series '" + series_name + "'");
 }
 
 const AnalysisResult* AnalysisRun::find(const std::string& name) const {

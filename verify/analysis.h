@@ -21,7 +21,7 @@ struct AnalysisPoint {
     /// More columns of the table, by name.
     std::vector<std::pair<std::string, double>> more{};
 
-    /// A column by its name; throws internal where there is none.
+    /// A column by its name; throws bad_input where there is none, as a file may have it.
     double column(const std::string& name) const;
 };
 
@@ -37,7 +37,7 @@ struct AnalysisResult {
     reference::PipelineParameters parameters;  ///< before the sweep changes one of them
     std::vector<AnalysisSeries> series;
 
-    /// Throws internal where there is none.
+    /// Throws bad_input where there is none, as a file may have it.
     const AnalysisSeries& named(std::size_t panel, const std::string& series_name) const;
 };
 

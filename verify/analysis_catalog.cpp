@@ -96,7 +96,8 @@ AnalysisDefinition bounces() {
             "node at every step. Its pie chart gives no numbers; its kernel table has the first "
             "three queries.",
             "Scans, intersections and merge of each query, over its living rays; and its part of "
-            "the time of all queries. Direct light n is all light samples of a path's n-th vertex.",
+            "the time of all queries. Direct light n is all light samples of a path's n-th vertex. "
+            "Dead rays are in the root's queue too.",
             {{true, {}, {"time a ray, % of a primary ray's"}, Relative::to_first, "ns a ray"},
              {true, {}, {"% of the time of all queries"}, Relative::share, "ms"}},
             {{0, kReport, kProfile, {of("primary", 19.24), of("direct light 1", 18.89)}}},

@@ -80,11 +80,13 @@ std::string on_bounces(const AnalysisResult& result) {
     double scene_rays = 0.0;
     double direct = 0.0;
     double direct_rays = 0.0;
+    double entries = 0.0;  // of scattered rays
     for (const AnalysisPoint& p : points) {
         const double rays = p.column("rays");
         if (p.label.starts_with("scene rays")) {
             scene += p.y * rays;
             scene_rays += rays;
+            entries += p.column("entries a ray") * rays;
         } else if (p.label.starts_with("direct light")) {
             direct += p.y * rays;
             direct_rays += rays;
@@ -95,9 +97,11 @@ std::string on_bounces(const AnalysisResult& result) {
     }
     const double ratio = scene / scene_rays / primary;
     return fmt::format(
-        "a primary ray takes {} ns, a scattered one {:.1f} times that, a direct-light one {:.1f} "
-        "times; {}",
-        short_number(primary), ratio, direct / direct_rays / primary,
+        "a primary ray takes {} ns, a scattered one {:.1f} times that (and {:.1f} times the queue "
+        "entries), a direct-light one {:.1f} times; {}",
+        short_number(primary), ratio,
+        entries / scene_rays / labelled(points, "primary")->column("entries a ray"),
+        direct / direct_rays / primary,
         ratio < 1.25 ? "nearly as fast, as in the report"
                      : "the report has scattered rays nearly as fast as primary ones");
 }

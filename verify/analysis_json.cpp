@@ -23,8 +23,10 @@ constexpr int kAnalysisVersion = 1;
 ordered_json point_json(const AnalysisPoint& point, const std::string& where) {
     ordered_json out{{"x", point.x}, {"label", point.label}, {"y", point.y}, {"low", point.low}};
     out["high"] = point.high;
-    ordered_json more = ordered_json::object();
-    for (const auto& [name, value] : point.more) more[name] = value;
+    ordered_json more = ordered_json::array();  // not an object, whose members have no order
+    for (const auto& [name, value] : point.more) {
+        more.push_back({{"name", name}, {"value", value}});
+    }
     out["more"] = more;
     for (const double value : {point.x, point.y, point.low, point.high}) {
         if (!std::isfinite(value)) {
@@ -70,10 +72,9 @@ AnalysisPoint parse_point(const std::string& where, const json& object) {
         throw Error::bad_input(where, fmt::format("expected low <= y <= high, found {}, {}, {}",
                                                   point.low, point.y, point.high));
     }
-    const json& more = member(where, object, "more");
-    if (!more.is_object()) throw Error::bad_input(where, "'more': not an object");
-    for (const auto& item : more.items()) {
-        point.more.emplace_back(item.key(), number_member(where, more, item.key().c_str()));
+    for (const json& each : array_member(where, object, "more")) {
+        point.more.emplace_back(text_member(where, each, "name"),
+                                number_member(where, each, "value"));
     }
     return point;
 }

@@ -91,10 +91,12 @@ AnalysisResult analyze_bounces(const AnalysisSettings& settings, AnalysisRenders
     const RenderRounds rounds = renders.by_turns({result.parameters}).front();
     std::vector<std::string> order;
     std::map<std::string, double> living;
+    std::map<std::string, double> entries;
     for (const QueryCensus& query : renders.counted(result.parameters)) {
         const std::string name = query_name(query.bounce, query.light);
         if (!living.contains(name)) order.push_back(name);
         living[name] += static_cast<double>(query.rays);
+        entries[name] += static_cast<double>(entries_of({query}));
     }
     AnalysisSeries a_ray;
     AnalysisSeries all;
@@ -105,7 +107,8 @@ AnalysisResult analyze_bounces(const AnalysisSettings& settings, AnalysisRenders
             return is_of_query(launch) && query_name(launch.bounce, launch.light) == name;
         });
         a_ray.points.push_back(point_of(0.0, name, seconds, 1e9 / living[name]));
-        a_ray.points.back().more.emplace_back("rays", living[name]);
+        a_ray.points.back().more = {{"rays", living[name]},
+                                    {"entries a ray", entries[name] / living[name]}};
         all.points.push_back(point_of(0.0, name, seconds, 1e3));
     }
     result.series = {std::move(a_ray), std::move(all)};

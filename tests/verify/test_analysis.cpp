@@ -161,6 +161,11 @@ TEST_CASE("analysis: what is seen follows from the numbers", "[verify][analysis]
     CHECK_THAT(found("bounces"),
                Contains("3.0 times that") && Contains("the report has scattered"));
 
+    result_of(run, "limited-blocks").series.pop_back();
+    CHECK_THROWS_WITH(found("limited-blocks"), Contains("no series 'a block for every slot'"));
+    queries[1].more.clear();
+    CHECK_THROWS_WITH(found("bounces"), Contains("no column 'rays'"));
+    run = made_run("here");
     result_of(run, "memory").series[0].points.clear();
     CHECK_THAT(found("memory"), Contains("a series is empty"));
     for (const AnalysisDefinition& definition : analysis_catalog()) {

@@ -6,6 +6,7 @@
 #include "tests/verify/command_tools.h"
 #include "verify/analysis_census.h"
 #include "verify/analysis_measure.h"
+#include "verify/analysis_renders.h"
 
 namespace {
 
@@ -45,6 +46,7 @@ TEST_CASE("analyze: all analyses are carried out, and each has what its figure n
     const AnalysisPoint& primary = run.find("bounces")->named(0, "").points[0];
     CHECK(primary.label == "primary");
     CHECK(primary.column("rays") == 8.0 * 6 * 2);
+    CHECK(primary.column("entries a ray") > 1.0);  // the root's, and some below
 }
 
 TEST_CASE("analyze: only what was asked for, and what is finished is kept at a stop",
@@ -62,6 +64,35 @@ TEST_CASE("analyze: only what was asked for, and what is finished is kept at a s
     CHECK(analyze(scene, settings).results.size() == 1);
     settings.names = {"nonsense"};
     CHECK_THROWS_WITH(analyze(scene, settings), Contains("'nonsense'") && Contains("early-out"));
+}
+
+TEST_CASE("analyze: the variants of a sweep take turns, and each has its repeats",
+          "[verify][analysis]") {
+    RenderSettings settings = tiny().render;
+    settings.repeats = 2;
+    std::vector<std::string> order;
+    settings.progress = [&](const std::string& what) { order.push_back(what); };
+    const reference::Scene scene = scenes::load_scene("cornell");
+    AnalysisRenders renders(scene, settings, {});
+    reference::PipelineParameters wide = settings.parameters;
+    wide.width = 16;
+    const auto rounds = renders.by_turns({settings.parameters, wide});
+    CHECK(order ==
+          std::vector<std::string>{"round 1 of 2, render 1 of 2", "round 1 of 2, render 2 of 2",
+                                   "round 2 of 2, render 1 of 2", "round 2 of 2, render 2 of 2"});
+    REQUIRE(rounds.size() == 2);
+    for (const RenderRounds& one : rounds) {
+        CHECK(one.seconds.size() == 2);
+        const auto all = one.sums([](const auto&) { return true; });
+        const auto none = one.sums([](const auto&) { return false; });
+        REQUIRE(all.size() == 2);
+        CHECK(all[1] > 0.0);
+        CHECK(all[1] <= one.seconds[1]);
+        CHECK(none[1] == 0.0);
+    }
+    settings.parameters.spp = 1u << 20;
+    settings.parameters.image_width = settings.parameters.image_height = 64;
+    CHECK_THROWS_WITH(renders.device_bytes(settings.parameters), Contains("can be in a traversal"));
 }
 
 TEST_CASE("census: blocks are those of the launches, and a traversal run again counts once",
