@@ -72,7 +72,7 @@ Backend simt(const scotty::simt::SimtOptions& options) {
 Backend cuda() {
     if (!gpu::find_device()) {
         throw Error::missing_environment(
-            "--backend cuda: no CUDA device on this machine (scotty doctor says what there is)");
+            "back end cuda: no CUDA device on this machine (scotty doctor says what there is)");
     }
     Backend backend;
     backend.name = "cuda";
@@ -94,7 +94,7 @@ Backend cuda() {
 
 Backend cuda() {
     throw Error::missing_environment(
-        "--backend cuda: this scotty was built where there was no CUDA compiler; build it again "
+        "back end cuda: this scotty was built where there was no CUDA compiler; build it again "
         "where nvcc is, or capture on the other machine with scotty-gpu (docs/gpu.md)");
 }
 

@@ -20,7 +20,9 @@ void append(nlohmann::json& to, const nlohmann::json& from) {
     }
 }
 
-double middle(const nlohmann::json& seconds) { return median(seconds.get<std::vector<double>>()); }
+Spread spread_of(const nlohmann::json& seconds) {
+    return verify::spread_of(seconds.get<std::vector<double>>());
+}
 
 }  // namespace
 
@@ -59,7 +61,7 @@ CheckBenchReport bench_check(const reference::Scene& scene, const BenchSettings&
     CheckBenchReport report;
     static_cast<BenchSubject&>(report) = subject_of(scene, settings);
     for (const auto& [name, limit] : kLimits) {
-        report.parts.push_back({name, limit, middle(plain[name]), middle(checked[name])});
+        report.parts.push_back({name, limit, spread_of(plain[name]), spread_of(checked[name])});
     }
     return report;
 }
@@ -69,8 +71,10 @@ std::string table(const CheckBenchReport& report) {
                                                     "plain ms", "checked ms", "ratio", "limit");
     for (const CheckBenchPart& part : report.parts) {
         out += fmt::format("{:<10} {:>12.2f} {:>12.2f} {:>8.2f} {:>8.0f}{}\n", part.name,
-                           1e3 * part.plain, 1e3 * part.checked, part.ratio(), part.limit,
-                           part.within() ? "" : "  OVER THE LIMIT");
+                           1e3 * part.plain.median, 1e3 * part.checked.median, part.ratio(),
+                           part.limit, part.within() ? "" : "  OVER THE LIMIT");
+        out += fmt::format("{:<10} plain {}, checked {}\n", "", readable_seconds(part.plain),
+                           readable_seconds(part.checked));
     }
     return out;
 }
@@ -79,8 +83,10 @@ nlohmann::json to_json(const CheckBenchReport& report) {
     nlohmann::json parts = nlohmann::json::array();
     for (const CheckBenchPart& part : report.parts) {
         parts.push_back({{"name", part.name},
-                         {"plain_seconds", part.plain},
-                         {"checked_seconds", part.checked},
+                         {"plain_seconds", part.plain.median},
+                         {"plain_spread", to_json(part.plain)},
+                         {"checked_seconds", part.checked.median},
+                         {"checked_spread", to_json(part.checked)},
                          {"ratio", part.ratio()},
                          {"limit", part.limit},
                          {"within", part.within()}});

@@ -6,12 +6,12 @@
 namespace scotty::verify {
 
 struct CheckBenchPart {
-    std::string name;      ///< of the back end
-    double limit = 0.0;    ///< what the ratio may be
-    double plain = 0.0;    ///< seconds a render, the median
-    double checked = 0.0;  ///< of scotty-checked
+    std::string name;    ///< of the back end
+    double limit = 0.0;  ///< what the ratio may be
+    Spread plain{};      ///< seconds a render
+    Spread checked{};    ///< of scotty-checked
 
-    double ratio() const { return checked / plain; }
+    double ratio() const { return checked.median / plain.median; }
     bool within() const { return ratio() <= limit; }
 };
 

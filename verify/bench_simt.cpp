@@ -8,8 +8,10 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "reference/error.h"
+#include "reference/tracers.h"
 #include "reference/wide_bvh.h"
 #include "verify/same_bits.h"
 #include "verify/simt/simt_pipeline.h"
@@ -28,6 +30,13 @@ TimedRender timed_render(Pipeline& pipeline, Image& image) {
     image = pipeline.render();
     const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
     return {taken.count(), pipeline.launches()};
+}
+
+Spread spread_of(const std::vector<TimedRender>& renders) {
+    std::vector<double> seconds;
+    seconds.reserve(renders.size());
+    for (const TimedRender& render : renders) seconds.push_back(render.seconds);
+    return verify::spread_of(std::move(seconds));
 }
 
 const TimedRender& middle(std::vector<TimedRender>& renders) {
@@ -77,6 +86,8 @@ SimtBenchReport bench_simt(const reference::Scene& scene, const BenchSettings& s
     SimtBenchReport report;
     static_cast<BenchSubject&>(report) = subject_of(scene, settings);
     report.render = {"whole render", ours.seconds, theirs.seconds};
+    report.emulator = spread_of(renders.emulator);
+    report.simt = spread_of(renders.simt);
     std::map<std::string, SimtBenchPart> parts;
     for (const LaunchRecord& launch : ours.launches) {
         parts[to_string(launch.kind)].emulator_seconds += launch.seconds;
@@ -90,6 +101,12 @@ SimtBenchReport bench_simt(const reference::Scene& scene, const BenchSettings& s
     }
     std::sort(report.stages.begin(), report.stages.end(),
               [](const auto& x, const auto& y) { return x.simt_seconds > y.simt_seconds; });
+    const reference::WideBvh bvh =
+        build_wide_bvh(scene, bvh_parameters(settings.parameters, settings.threads));
+    report.parts = parts_of(theirs.launches, bvh, settings.parameters);
+    report.rays = trace_by_turns(scene, bvh, reference::EmbreeTracer(scene), settings, "simt");
+    report.occupancy =
+        count_occupancy(scene, bvh, settings.parameters, settings.threads, settings.progress);
     return report;
 }
 
@@ -102,7 +119,9 @@ std::string table(const SimtBenchReport& report) {
     };
     for (const SimtBenchPart& part : report.stages) row(part);
     row(report.render);
-    return out;
+    out += fmt::format("\nwhole render: emulator {}, simt {}\n\n",
+                       readable_seconds(report.emulator), readable_seconds(report.simt));
+    return out + table(report.rays) + table(report.parts) + "\n" + table(report.occupancy);
 }
 
 nlohmann::json to_json(const SimtBenchReport& report) {
@@ -115,7 +134,12 @@ nlohmann::json to_json(const SimtBenchReport& report) {
     nlohmann::json stages = nlohmann::json::array();
     for (const SimtBenchPart& part : report.stages) stages.push_back(to_json_part(part));
     nlohmann::json out = subject_json(report);
-    out.update({{"ratio_to_emulator", report.render.ratio()},
+    out.update(to_json(report.rays));
+    out.update(to_json(report.parts));
+    out.update({{"occupancy", to_json(report.occupancy)},
+                {"emulator_render_spread", to_json(report.emulator)},
+                {"simt_render_spread", to_json(report.simt)},
+                {"ratio_to_emulator", report.render.ratio()},
                 {"render", to_json_part(report.render)},
                 {"stages", stages}});
     return out;

@@ -2,7 +2,11 @@
 /// kernels.
 #pragma once
 
-#include "verify/bench.h"
+#include "verify/bench_occupancy.h"
+#include "verify/bench_parts.h"
+#include "verify/bench_rays.h"
+#include "verify/bench_subject.h"
+#include "verify/measure.h"
 
 namespace scotty::verify {
 
@@ -17,7 +21,11 @@ struct SimtBenchPart {
 /// Both are timed launch by launch; the parts are of each one's median render.
 struct SimtBenchReport : BenchSubject {
     SimtBenchPart render;               ///< a whole render, nobody watching
+    Spread emulator{}, simt{};          ///< seconds of those renders
     std::vector<SimtBenchPart> stages;  ///< by kind, the slowest first
+    TracedRays rays;                    ///< of simt, beside Embree
+    BenchParts parts;                   ///< of simt's median render
+    Occupancy occupancy;
 };
 
 /// Renders of one back end: how long each took, and its launches.

@@ -12,12 +12,14 @@
 #include "reference/write_file.h"
 #include "scenes/scenes.h"
 #include "verify/ask.h"
+#include "verify/backend.h"
 #include "verify/bench.h"
 #include "verify/bench_check.h"
 #include "verify/bench_gates.h"
 #include "verify/bench_simt.h"
 #include "verify/command.h"
 #include "verify/configurations.h"
+#include "verify/machine.h"
 #include "verify/options.h"
 #include "verify/progress.h"
 #include "verify/report.h"
@@ -34,13 +36,17 @@ struct BenchOptions {
     GateBenchSettings gates;
 };
 
+/// With the machine, which is described before the measurement: its load is not ours.
 template <class Report>
-int print_report(const BenchOptions& options, Progress& progress, const Report& report) {
+int print_report(const BenchOptions& options, const MachineDescription& machine, Progress& progress,
+                 const Report& report) {
     progress.clear();
-    const std::string json = to_json(report).dump(2);
+    nlohmann::json json = to_json(report);
+    json["machine"] = to_json(machine);
     if (!options.json.empty() && options.json != "-")
-        reference::write_file(options.json, json + "\n");
-    print_result(options.json == "-" ? json : table(report));
+        reference::write_file(options.json, json.dump(2) + "\n");
+    print_result(options.json == "-" ? json.dump(2)
+                                     : table(report) + "\nmachine: " + one_line(machine) + "\n");
     return kExitPassed;
 }
 
@@ -71,19 +77,20 @@ std::string checked_half(const BenchOptions& options) {
                        pipeline_options(p));
 }
 
-int run_bench_check(const BenchOptions& options, const reference::Scene& scene,
-                    Progress& progress) {
+int run_bench_check(const BenchOptions& options, const MachineDescription& machine,
+                    const reference::Scene& scene, Progress& progress) {
     if (simt::checks_memory()) {
         print_result(render_seconds(scene, options.settings).dump());
         return kExitPassed;
     }
     const CheckBenchReport report = bench_check(scene, options.settings, checked_half(options));
-    print_report(options, progress, report);
+    print_report(options, machine, progress, report);
     return report.passed() ? kExitPassed : kExitFailed;
 }
 
 int run_bench(BenchOptions& options, const CLI::App& command) {
     reference::validate(options.settings.parameters);
+    const MachineDescription machine = machine_description();
     if (options.what == "gates") {
         GateBenchSettings gates = gate_settings(options, command);
         const std::size_t threads = options.settings.threads;
@@ -92,36 +99,47 @@ int run_bench(BenchOptions& options, const CLI::App& command) {
             threads != 0 ? threads : static_cast<std::size_t>(tbb::info::default_concurrency()));
         Progress progress;
         gates.progress = [&](const std::string& what) { progress.show(what); };
-        return print_report(options, progress, bench_gates(gates));
+        return print_report(options, machine, progress, bench_gates(gates));
     }
     if (options.what == "check" && command.count("--size") == 0) {
         // The checked tiers take their time.
         options.settings.parameters.image_width = 128;
         options.settings.parameters.image_height = 128;
     }
+    if (options.what == "cuda") {
+        backend_named("cuda", options.settings.threads);  // or says what is missing
+        // A device wants more rays in flight than fit a processor's cache.
+        if (command.count("--batch-rays") == 0) options.settings.parameters.batch_rays = 1u << 20;
+    }
     const reference::Scene scene = scenes::load_scene(options.scene);
     for (const std::string& warning : scene.warnings) spdlog::warn("{}", warning);
     Progress progress;
     options.settings.progress = [&](const std::string& what) { progress.show(what); };
-    if (options.what == "check") return run_bench_check(options, scene, progress);
+    if (options.what == "check") return run_bench_check(options, machine, scene, progress);
     if (options.what == "simt") {
-        return print_report(options, progress, bench_simt(scene, options.settings));
+        return print_report(options, machine, progress, bench_simt(scene, options.settings));
     }
-    return print_report(options, progress, bench_emulator(scene, options.settings));
+    if (options.what == "embree") {
+        return print_report(options, machine, progress, bench_embree(scene, options.settings));
+    }
+    return print_report(options, machine, progress,
+                        bench_backend(scene, options.settings, options.what));
 }
 
 }  // namespace
 
 void add_bench_command(CLI::App& app, Action& action) {
-    auto* command = app.add_subcommand(
-        "bench",
-        "Measure rays per second by ray kind, and time by stage and level; or the power of the "
-        "image gates.");
+    auto* command = app.add_subcommand("bench",
+                                       "Measure rays per second by ray kind, time by stage, level "
+                                       "and kernel, and count what blocks "
+                                       "and queues did; or the power of the image gates.");
     command->footer(
         "Examples:\n"
         "  scotty bench emulator                        the coil at 512x512\n"
         "  scotty bench emulator blob --width 16 --threads 1\n"
         "  scotty bench emulator --json - | jq .ratio_to_embree\n"
+        "  scotty bench cuda coil --queue-levels 2      on the device, timed by its events\n"
+        "  scotty bench embree coil --repeats 9         Embree alone\n"
         "  scotty bench simt                            the CUDA text on the CPU, beside the "
         "emulator\n"
         "  scotty bench check                           what --check costs on both; 1 is over a "
@@ -130,14 +148,18 @@ void add_bench_command(CLI::App& app, Action& action) {
         "often\n\n"
         "The rays of every traversal of one render are collected first and then traced by both, "
         "in\n"
-        "turn: the same rays, threads and machine. Embree traces single rays.");
+        "turn: the same rays, threads and machine. Embree traces single rays. Figures are medians; "
+        "IQR is\n"
+        "the range between the quartiles. What each column means: docs/benchmarks.md.");
     auto options = std::make_shared<BenchOptions>();
     options->settings.parameters.image_width = 512;
     options->settings.parameters.image_height = 512;
     options->settings.parameters.spp = 1;
-    command->add_option("what", options->what, "what to measure: emulator, simt, check or gates")
+    command
+        ->add_option("what", options->what,
+                     "what to measure: emulator, simt, embree, cuda, check or gates")
         ->required()
-        ->check(CLI::IsMember({"emulator", "simt", "check", "gates"}));
+        ->check(CLI::IsMember({"emulator", "simt", "embree", "cuda", "check", "gates"}));
     command->add_option("scene", options->scene, "a built-in scene (scotty list) or a file")
         ->capture_default_str();
     command->add_option("--json", options->json, "write the figures as JSON; - is standard output")

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "reference/error.h"
+#include "verify/ask.h"
 #include "verify/command.h"
 #include "verify/diff.h"
 #include "verify/image_diff.h"

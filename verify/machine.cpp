@@ -140,7 +140,8 @@ MachineDescription machine_description() {
     machine.memory_bytes =
         1024 * std::strtoull(proc_value("/proc/meminfo", "MemTotal").c_str(), nullptr, 10);
     machine.os = operating_system();
-    machine.build = "scotty " SCOTTY_VERSION ", " SCOTTY_BUILD;
+    machine.build = "scotty " SCOTTY_VERSION " " SCOTTY_BUILD;
+    std::replace(machine.build.begin(), machine.build.end(), ',', ' ');
     machine.compiler = compiler();
     machine.vectors = vectors();
     machine.embree = reference::EmbreeTracer::version();

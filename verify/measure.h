@@ -93,8 +93,9 @@ std::unique_ptr<gpu::Pipeline> make_pipeline_of(const std::string& backend,
                                                 std::size_t threads, bool timed = false,
                                                 reference::StageObserver* observer = nullptr);
 
-/// What the rays of a stage of a traversal are called: "primary", "bounce N", "shadow"; empty for
-/// stages that belong to no ray's traversal. `S`: StageView or LaunchRecord.
+/// What the rays of a stage of a traversal are called: "primary", "bounce N", "shadow", and "given"
+/// where they came from elsewhere; empty for stages of no traversal. `S`: StageView or
+/// LaunchRecord.
 template <class S>
 std::string kind_of_rays(const S& stage) {
     if (!reference::is_of_traversal(stage.kind) &&
@@ -102,6 +103,7 @@ std::string kind_of_rays(const S& stage) {
         return "";
     }
     if (stage.light != reference::kNotApplicable) return "shadow";
+    if (stage.bounce == reference::kNotApplicable) return "given";
     return stage.bounce == 0 ? "primary" : "bounce " + std::to_string(stage.bounce);
 }
 

@@ -40,7 +40,7 @@ TEST_CASE("measure: the figures of a spread are measured ones", "[verify][bench]
     CHECK(nine.upper_quartile == 7.0);
     CHECK(nine.most == 9.0);
     CHECK(nine.relative() == Approx(0.8));
-    CHECK(verify::spread_of({4.0, 1.0, 3.0, 2.0}).median == 2.0);
+    CHECK(verify::spread_of({4.0, 1.0, 3.0, 2.0}).median == 2.0);  // the lower of the two
     CHECK((one + nine).most == 11.0);
     CHECK(to_json(nine)["upper_quartile"] == 7.0);
     CHECK_THROWS_AS(verify::spread_of({}), reference::Error);
