@@ -79,6 +79,7 @@ std::variant<Action, int> read_command_line(int argc, char** argv) {
     add_render_command(app, action);
     add_verify_command(app, action, join(argc, argv));
     add_bench_command(app, action);
+    add_analyze_command(app, action);
     add_doctor_command(app, action);
     add_capture_command(app, action);
     add_diff_command(app, action);

@@ -24,6 +24,7 @@ void add_list_command(CLI::App& app, Action& action);
 void add_render_command(CLI::App& app, Action& action);
 void add_verify_command(CLI::App& app, Action& action, const std::string& command_line);
 void add_bench_command(CLI::App& app, Action& action);
+void add_analyze_command(CLI::App& app, Action& action);
 void add_doctor_command(CLI::App& app, Action& action);
 void add_capture_command(CLI::App& app, Action& action);
 void add_diff_command(CLI::App& app, Action& action);
