@@ -78,6 +78,14 @@ SCOTTY_HD reference::Vec3 unit_vector_of(float a, float b) {
         reference::Vec3(0.0f, 0.0f, 1.0f));
 }
 
+/// Coordinates as scenes may have them: what minimum and maximum of numbers are promised for.
+SCOTTY_HD float coordinate_of(float x) {
+    return reference::abs_of(x) <= reference::kMaxCoordinate ? x : 0.0f;
+}
+SCOTTY_HD reference::Vec3 coordinates_of(const reference::Vec3& v) {
+    return {coordinate_of(v.x), coordinate_of(v.y), coordinate_of(v.z)};
+}
+
 SCOTTY_HD ParityWords parity_case(ParityCase which, const ParityOperands& o) {
     using reference::Vec3;
     ParityWords out{};
@@ -123,24 +131,28 @@ SCOTTY_HD ParityWords parity_case(ParityCase which, const ParityOperands& o) {
             out.word[3] = parity_bits(reference::dot(a, b));
             break;
         case ParityCase::slab_test: {
-            const Vec3 low = reference::min_of(b, c);
-            const Vec3 high = reference::max_of(b, c);
-            const reference::BoxInterval interval =
-                reference::intersect_box(reference::ray_slabs(a, reference::safe_inverse(d),
-                                                              reference::box_pad(a, low, high)),
-                                         low, high);
-            out.word[0] = parity_bits(interval.entry);
-            out.word[1] = parity_bits(interval.exit);
+            const Vec3 origin = coordinates_of(a);
+            const Vec3 low = reference::min_of(coordinates_of(b), coordinates_of(c));
+            const Vec3 high = reference::max_of(coordinates_of(b), coordinates_of(c));
+            const reference::BoxInterval interval = reference::intersect_box(
+                reference::ray_slabs(origin, reference::safe_inverse(d),
+                                     reference::box_pad(origin, low, high)),
+                low, high);
+            // Of two zeros either may be the less or the greater.
+            out.word[0] = parity_bits(interval.entry + 0.0f);
+            out.word[1] = parity_bits(interval.exit + 0.0f);
             break;
         }
         case ParityCase::triangle_test: {
             // Aimed at the triangle, so that most of it is exercised.
             const float u = unit_of(x[9]), v = unit_of(x[10]) * (1.0f - u);
-            const Vec3 direction = b * (1.0f - u - v) + c * u + d * v - a;
+            const Vec3 origin = coordinates_of(a);
+            const Vec3 v0 = coordinates_of(b), v1 = coordinates_of(c), v2 = coordinates_of(d);
+            const Vec3 direction = v0 * (1.0f - u - v) + v1 * u + v2 * v - origin;
             reference::Hit hit = reference::no_hit();
-            const bool found =
-                reference::intersect_triangle_line(a, reference::safe_inverse(direction),
-                                                   reference::ray_shear(direction), b, c, d, hit);
+            const bool found = reference::intersect_triangle_line(
+                origin, reference::safe_inverse(direction), reference::ray_shear(direction), v0, v1,
+                v2, hit);
             out.word[0] = found ? 1u : 0u;
             out.word[1] = parity_bits(hit.t);
             out.word[2] = parity_bits(hit.u);
