@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <tuple>
 #include <variant>
 
 #include "gpu/device_scene.h"
@@ -26,6 +27,15 @@ std::uint32_t inner_before(const reference::WideBvh& bvh, std::uint32_t end) {
                       [](std::uint32_t ref) { return !reference::is_leaf(ref); }));
 }
 
+SubtreeRoot root_of(const reference::WideBvh& bvh) {
+    return std::visit(
+        [](const auto& inner) {
+            const auto& [low, high] = std::tie(inner[0].low, inner[0].high);
+            return SubtreeRoot{0, {low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
+        },
+        bvh.inner);
+}
+
 template <class T>
 std::span<const std::uint8_t> bytes_of(const std::vector<T>& records, std::size_t count) {
     return {reinterpret_cast<const std::uint8_t*>(records.data()), count * sizeof(T)};
@@ -38,6 +48,7 @@ DeviceScene::DeviceScene(const reference::Scene& scene, const reference::WideBvh
     : width_(bvh.width),
       level_begins_(bvh.level_begins),
       has_subtrees_(bvh.has_subtrees()),
+      root_(root_of(bvh)),
       first_subtree_(inner_before(bvh, bvh.level_begins[bvh.level_count() - 1])),
       vertices_(budget),
       normals_(budget),

@@ -5,6 +5,7 @@
 
 #include "gpu/device_memory.h"
 #include "gpu/dialect.h"
+#include "gpu/subtree_ray.h"
 #include "gpu/views.h"
 #include "reference/scene.h"
 #include "reference/wide_bvh.h"
@@ -25,6 +26,8 @@ class DeviceScene {
                 reinterpret_cast<const SubtreeNode<Width>*>(subtrees_.data()),
                 first_subtree_};
     }
+    /// The whole BVH as a subtree.
+    const SubtreeRoot& root() const { return root_; }
     /// By node id: the parent's position in its level.
     const std::uint32_t* parent_positions() const { return parent_positions_.data(); }
     int width() const { return width_; }
@@ -44,6 +47,7 @@ class DeviceScene {
     int width_;
     std::vector<std::uint32_t> level_begins_;
     bool has_subtrees_;
+    SubtreeRoot root_;
     std::uint32_t first_subtree_;  ///< inner nodes of the levels above
     reference::SceneView view_;
     DeviceMemory<reference::Vec3> vertices_, normals_;

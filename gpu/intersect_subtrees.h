@@ -1,10 +1,10 @@
 /// Kernel: the last level that has queues, where that is not the last of the tree. Rays go on from
 /// their nodes depth first, each alone.
 ///
-/// Warps stay, and take rays as they have lanes for them. Rays of one warp end at different times:
-/// where they are incoherent, lanes that are idle take new rays as soon as they are a few (Aila and
-/// Laine, "Understanding the Efficiency of Ray Traversal on GPUs", HPG 2009); where rays are
-/// coherent, or come from queues, the warp ends what it has, so that they stay side by side.
+/// Rays of one warp end at different times. Where they are incoherent, warps stay, and lanes that
+/// are idle take new rays as soon as they are a few (Aila and Laine, "Understanding the Efficiency
+/// of Ray Traversal on GPUs", HPG 2009). Coherent rays stay side by side: at level 0 a thread has
+/// one ray, and of a queue a warp takes the next 32 when it is done with what it has.
 #pragma once
 
 #include "gpu/dialect.h"
@@ -40,17 +40,14 @@ SCOTTY_DEVICE void end_ray(const SubtreeRay<Width>& walk, std::uint32_t ray_id, 
     }
 }
 
-/// Rays side by side that go much the same way, as most do with the first of them.
-SCOTTY_COLLECTIVE(bool) are_coherent(const reference::Vec3& direction) {
-    const float x = bits_float(SCOTTY_AWAIT(warp_shuffle(float_bits(direction.x), 0)));
-    const float y = bits_float(SCOTTY_AWAIT(warp_shuffle(float_bits(direction.y), 0)));
-    const float z = bits_float(SCOTTY_AWAIT(warp_shuffle(float_bits(direction.z), 0)));
-    const reference::Vec3 first(x, y, z);
-    const float along = reference::dot(direction, first);
-    const float lengths = reference::dot(direction, direction) * reference::dot(first, first);
-    const bool near = along > 0.0f && along * along > 0.5f * lengths;
-    SCOTTY_RETURN count_bits(SCOTTY_AWAIT(warp_ballot(near))) >= 3 * kWarpSize / 4;
-}
+/// What a launch is handed besides the level.
+struct SubtreeWork {
+    std::uint32_t ray_count;
+    std::uint32_t rays_per_block;  ///< of what is a block elsewhere: a queue's parts
+    bool strided;
+    bool coherent;     ///< level 0: a ray a thread, and as many threads as rays
+    SubtreeRoot root;  ///< level 0: the BVH's
+};
 
 /// The next `count` of what the launch's warps share.
 SCOTTY_COLLECTIVE(std::uint32_t) take(std::uint32_t* ticket, std::uint32_t count) {
@@ -59,33 +56,36 @@ SCOTTY_COLLECTIVE(std::uint32_t) take(std::uint32_t* ticket, std::uint32_t count
     SCOTTY_RETURN SCOTTY_AWAIT(warp_shuffle(begin, 0));
 }
 
-/// What a warp takes next. At level 0, where a ray's id is its place, as many rays as it has idle
-/// lanes; of queues, 32 entries of what is a block elsewhere.
+/// What a warp takes next. At level 0, where a ray's id is its place, one a thread, or as many as
+/// it has idle lanes; of queues, 32 entries of what is a block elsewhere.
 struct TakenRays {
     std::uint32_t node;
     std::uint32_t entry;  ///< the lane's; no less than the queue's length where it has none
     bool more;            ///< the launch may have more
 };
 SCOTTY_COLLECTIVE(TakenRays)
-take_rays(const LevelView& level, const BlockGrid& grid, std::uint32_t rays_per_block,
-          std::uint32_t ray_count, std::uint32_t idle) {
+take_rays(const LevelView& level, const BlockGrid& grid, const SubtreeWork& work,
+          std::uint32_t idle) {
     constexpr std::uint32_t kNoEntry = 0xffffffffu;
+    if (level.queue == nullptr && work.coherent) {
+        SCOTTY_RETURN TakenRays{0, block_index() * block_size() + thread_index(), false};
+    }
     if (level.queue == nullptr) {
         const std::uint32_t begin = SCOTTY_AWAIT(take(&level.ray_ticket->taken, count_bits(idle)));
         const bool is_idle = (idle >> lane_index() & 1u) != 0;
         SCOTTY_RETURN TakenRays{0, is_idle ? begin + count_bits(bits_below_lane(idle)) : kNoEntry,
-                                begin + count_bits(idle) < ray_count};
+                                begin + count_bits(idle) < work.ray_count};
     }
-    const std::uint32_t parts = rays_per_block / kWarpSize;
+    const std::uint32_t parts = work.rays_per_block / kWarpSize;
     const std::uint32_t part = SCOTTY_AWAIT(take(&level.ray_ticket->taken, 1));
     const bool more = part / parts < grid.launched;
     const std::uint32_t id = more ? logical_block(grid, part / parts) : grid.total;
     if (id >= grid.total) SCOTTY_RETURN TakenRays{0, kNoEntry, more};
     const std::uint32_t node = SCOTTY_AWAIT(find_node(level.block_offsets, level.node_count, id));
-    SCOTTY_RETURN TakenRays{
-        node,
-        (id - level.block_offsets[node]) * rays_per_block + part % parts * kWarpSize + lane_index(),
-        more};
+    SCOTTY_RETURN TakenRays{node,
+                            (id - level.block_offsets[node]) * work.rays_per_block +
+                                part % parts * kWarpSize + lane_index(),
+                            more};
 }
 
 /// The last warp of a launch leaves the ticket to the next one, which then needs no clearing.
@@ -101,43 +101,40 @@ SCOTTY_DEVICE void end_warp(RayTicket* ticket) {
 /// Until there are no more rays.
 template <bool Any, int Width>
 SCOTTY_COLLECTIVE(void)
-trace_subtrees(const BvhView<Width>& bvh, const reference::Ray* rays, std::uint32_t ray_count,
-               const LevelView& level, const HitView& hits, const MinimumView& minimum,
-               std::uint32_t rays_per_block, bool strided, const FinalHits& final_hits) {
+trace_subtrees(const BvhView<Width>& bvh, const reference::Ray* rays, const LevelView& level,
+               const HitView& hits, const MinimumView& minimum, const SubtreeWork& work,
+               const FinalHits& final_hits) {
     const bool first = level.queue == nullptr;
     const bool is_final = final_hits.merged != nullptr || final_hits.radiance != nullptr;
-    const BlockGrid grid = first ? BlockGrid{} : block_grid(level, strided);
+    const BlockGrid grid = first ? BlockGrid{} : block_grid(level, work.strided);
+    const std::uint32_t enough_idle = first ? kIdleLanes : kWarpSize;
     SubtreeStack stack;
     SubtreeRay<Width> walk;
     walk.at = reference::kNone;
     std::uint32_t ray_id = reference::kNone;
-    std::uint32_t threshold = kWarpSize;
     bool more = true;
     for (;;) {
         const std::uint32_t idle = SCOTTY_AWAIT(warp_ballot(walk.at == reference::kNone));
-        if (more && count_bits(idle) >= threshold) {
+        if (more && count_bits(idle) >= enough_idle) {
             if (walk.at == reference::kNone && ray_id != reference::kNone) {
                 end_ray(walk, ray_id, hits, minimum, final_hits);
                 ray_id = reference::kNone;
             }
-            const TakenRays taken =
-                SCOTTY_AWAIT(take_rays(level, grid, rays_per_block, ray_count, idle));
+            const TakenRays taken = SCOTTY_AWAIT(take_rays(level, grid, work, idle));
             more = taken.more;
-            reference::Ray ray = reference::dead_ray();
-            if (taken.entry < (first ? ray_count : level.node_counts[taken.node])) {
+            if (taken.entry < (first ? work.ray_count : level.node_counts[taken.node])) {
                 ray_id = first ? taken.entry
                                : level.queue[level.queue_offsets[taken.node] + taken.entry];
-                ray = load_record(rays + ray_id);
+                const reference::Ray ray = load_record(rays + ray_id);
                 if (first && !is_final) begin_ray(ray_id, ray, hits, minimum);
-                begin_subtree(walk, bvh, bvh.node_refs[level.first_node + taken.node], ray,
-                              limit_of(ray_id, ray, first, minimum));
-            }
-            if (first && idle == kWholeWarp) {
-                threshold = SCOTTY_AWAIT(are_coherent(ray.direction)) ? kWarpSize : kIdleLanes;
+                const SubtreeRoot root =
+                    first ? work.root
+                          : subtree_root(bvh, bvh.node_refs[level.first_node + taken.node]);
+                begin_subtree(walk, bvh, root, ray, limit_of(ray_id, ray, first, minimum));
             }
         } else if (idle == kWholeWarp) {
             if (ray_id != reference::kNone) end_ray(walk, ray_id, hits, minimum, final_hits);
-            end_warp(level.ray_ticket);
+            if (!work.coherent) end_warp(level.ray_ticket);
             SCOTTY_RETURN;
         } else if (walk.at != reference::kNone) {
             enter_nodes(walk, stack, bvh);
@@ -148,22 +145,18 @@ trace_subtrees(const BvhView<Width>& bvh, const reference::Ray* rays, std::uint3
 
 template <int Width>
 SCOTTY_KERNEL_SIZED(kSubtreeThreads, kSubtreeBlocks, intersect_subtrees_any)
-(BvhView<Width> bvh, const reference::Ray* rays, std::uint32_t ray_count, LevelView level,
- HitView hits, MinimumView minimum, std::uint32_t rays_per_block, bool strided,
- FinalHits final_hits) {
+(BvhView<Width> bvh, const reference::Ray* rays, LevelView level, HitView hits, MinimumView minimum,
+ SubtreeWork work, FinalHits final_hits) {
     if (level.faults->queue_needed != 0) SCOTTY_RETURN;
-    SCOTTY_AWAIT(trace_subtrees<true>(bvh, rays, ray_count, level, hits, minimum, rays_per_block,
-                                      strided, final_hits));
+    SCOTTY_AWAIT(trace_subtrees<true>(bvh, rays, level, hits, minimum, work, final_hits));
 }
 
 template <int Width>
 SCOTTY_KERNEL_SIZED(kSubtreeThreads, kSubtreeBlocks, intersect_subtrees_closest)
-(BvhView<Width> bvh, const reference::Ray* rays, std::uint32_t ray_count, LevelView level,
- HitView hits, MinimumView minimum, std::uint32_t rays_per_block, bool strided,
- FinalHits final_hits) {
+(BvhView<Width> bvh, const reference::Ray* rays, LevelView level, HitView hits, MinimumView minimum,
+ SubtreeWork work, FinalHits final_hits) {
     if (level.faults->queue_needed != 0) SCOTTY_RETURN;
-    SCOTTY_AWAIT(trace_subtrees<false>(bvh, rays, ray_count, level, hits, minimum, rays_per_block,
-                                       strided, final_hits));
+    SCOTTY_AWAIT(trace_subtrees<false>(bvh, rays, level, hits, minimum, work, final_hits));
 }
 
 }  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -1,8 +1,9 @@
-/// Which kernel takes the last level that has queues.
+/// Which kernel takes the last level that has queues, and how many blocks of it.
 #pragma once
 
 #include <cuda_runtime.h>
 
+#include <algorithm>
 #include <cstdint>
 
 #include "gpu/dialect.h"
@@ -16,26 +17,31 @@ template <int Width>
 struct LevelLaunch {
     BvhView<Width> bvh;
     const reference::Ray* rays;
-    std::uint32_t ray_count;
     LevelView level;
     HitView hits;
     MinimumView minimum;
-    bool strided;
 };
 
-/// A ray is done with its first hit where any will do and culling is on.
+/// `resident`: blocks that the device holds at once. A ray is done with its first hit where any
+/// will do and culling is on. A level without queues is level 0.
 template <int Width>
-void launch_subtrees(const LevelLaunch<Width>& launch, std::uint32_t blocks,
-                     std::uint32_t rays_per_block, const FinalHits& final_hits,
-                     cudaStream_t stream) {
+void launch_subtrees(const LevelLaunch<Width>& launch, std::uint32_t resident, SubtreeWork work,
+                     const FinalHits& final_hits, cudaStream_t stream) {
+    std::uint32_t blocks = resident;
+    if (launch.level.queue == nullptr) {
+        const std::uint32_t enough = (work.ray_count + kSubtreeThreads - 1) / kSubtreeThreads;
+        blocks = work.coherent ? enough : std::min(enough, resident);
+    } else {
+        work.coherent = false;
+    }
+    if (blocks == 0) return;
     if (launch.minimum.culls != 0 && launch.minimum.any_hit != 0) {
         SCOTTY_LAUNCH(intersect_subtrees_any<Width>, blocks, kSubtreeThreads, stream, launch.bvh,
-                      launch.rays, launch.ray_count, launch.level, launch.hits, launch.minimum,
-                      rays_per_block, launch.strided, final_hits);
+                      launch.rays, launch.level, launch.hits, launch.minimum, work, final_hits);
     } else {
         SCOTTY_LAUNCH(intersect_subtrees_closest<Width>, blocks, kSubtreeThreads, stream,
-                      launch.bvh, launch.rays, launch.ray_count, launch.level, launch.hits,
-                      launch.minimum, rays_per_block, launch.strided, final_hits);
+                      launch.bvh, launch.rays, launch.level, launch.hits, launch.minimum, work,
+                      final_hits);
     }
 }
 

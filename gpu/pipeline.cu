@@ -38,6 +38,25 @@ PipelineParameters checked(const PipelineParameters& parameters) {
     return parameters;
 }
 
+/// Whether most rays go much the same way as the first of their warp: looked up in 64 warps.
+bool are_coherent(std::span<const Ray> rays) {
+    const std::size_t warps = rays.size() / kWarpSize;
+    const std::size_t step = std::max<std::size_t>(1, warps / 64);
+    std::size_t near = 0;
+    std::size_t seen = 0;
+    for (std::size_t warp = 0; warp < warps; warp += step) {
+        const Vec3& first = rays[warp * kWarpSize].direction;
+        for (std::size_t i = 0; i < kWarpSize; ++i) {
+            const Vec3& direction = rays[warp * kWarpSize + i].direction;
+            const float along = reference::dot(first, direction);
+            near += along > 0.0f && along * along > 0.5f * reference::dot(first, first) *
+                                                        reference::dot(direction, direction);
+            ++seen;
+        }
+    }
+    return 4 * near >= 3 * seen;
+}
+
 class Stream {
  public:
     Stream() { check(cudaStreamCreate(&stream_), "creating a stream"); }
@@ -159,7 +178,7 @@ void DevicePipeline::render_batch(StagePlace place, const BatchView& batch) {
     paths_.resize(batch.pixels * batch.samples);
     launch_primary_rays(place, batch);
     place.bounce = 0;
-    traversal_.run(paths_.rays.data(), paths_.count(), TraversalKind::closest, place,
+    traversal_.run({paths_.rays.data(), paths_.count(), TraversalKind::closest, true}, place,
                    {paths_.path_hits.data()});
     for (; place.bounce <= parameters_.bounces; ++place.bounce) shade_vertex(place);
     place.bounce = reference::kNotApplicable;
@@ -173,12 +192,13 @@ void DevicePipeline::shade_vertex(StagePlace place) {
     for (std::uint32_t light = 0; light < parameters_.light_samples; ++light) {
         place.light = light;
         launch_direct_light(place);
+        const TracedRays shadow{paths_.shadow_rays.data(), paths_.count(), query,
+                                place.bounce == 0};
         if (traversal_.is_one_launch()) {
-            traversal_.run(paths_.shadow_rays.data(), paths_.count(), query, place,
+            traversal_.run(shadow, place,
                            {nullptr, paths_.potential.data(), paths_.radiance.data()});
         } else {
-            traversal_.run(paths_.shadow_rays.data(), paths_.count(), query, place,
-                           {paths_.shadow_hits.data()});
+            traversal_.run(shadow, place, {paths_.shadow_hits.data()});
             launch_resolve_light(place);
         }
     }
@@ -186,7 +206,7 @@ void DevicePipeline::shade_vertex(StagePlace place) {
     launch_scene_rays(place);
     if (place.bounce == parameters_.bounces) return;
     ++place.bounce;
-    traversal_.run(paths_.rays.data(), paths_.count(), TraversalKind::closest, place,
+    traversal_.run({paths_.rays.data(), paths_.count(), TraversalKind::closest, false}, place,
                    {paths_.path_hits.data()});
 }
 
@@ -284,13 +304,14 @@ void DevicePipeline::trace(std::span<const Ray> rays, TraversalKind kind, std::s
     SCOTTY_ASSERT(rays.size(), ==, hits.size());
     StagePlace place;
     place.several_batches = rays.size() > parameters_.batch_rays;
+    const bool coherent = are_coherent(rays);
     for (std::size_t first = 0; first < rays.size(); first += parameters_.batch_rays) {
         const std::size_t count =
             std::min<std::size_t>(parameters_.batch_rays, rays.size() - first);
         trace_rays_.upload(rays.subspan(first, count), "rays");
         trace_hits_.resize(count, "hits");
-        traversal_.run(trace_rays_.data(), static_cast<std::uint32_t>(count), kind, place,
-                       {trace_hits_.data()});
+        traversal_.run({trace_rays_.data(), static_cast<std::uint32_t>(count), kind, coherent},
+                       place, {trace_hits_.data()});
         check(cudaMemcpy(hits.data() + first, trace_hits_.data(), count * sizeof(Hit),
                          cudaMemcpyDeviceToHost),
               "copying hits");
@@ -301,7 +322,8 @@ void DevicePipeline::trace(std::span<const Ray> rays, TraversalKind kind, std::s
 double DevicePipeline::time_trace(std::span<const Ray> rays, TraversalKind kind, int repeats) {
     trace_rays_.upload(rays, "rays");
     trace_hits_.resize(rays.size(), "hits");
-    const auto count = static_cast<std::uint32_t>(rays.size());
+    const TracedRays traced{trace_rays_.data(), static_cast<std::uint32_t>(rays.size()), kind,
+                            are_coherent(rays)};
     log_.keep_records(false);
     std::vector<double> seconds;
     cudaEvent_t begin = nullptr;
@@ -310,12 +332,12 @@ double DevicePipeline::time_trace(std::span<const Ray> rays, TraversalKind kind,
     check(cudaEventCreate(&end), "creating an event");
     for (int round = -2; round < repeats; ++round) {
         if (round < 0) {
-            traversal_.run(trace_rays_.data(), count, kind, {}, {trace_hits_.data()});
+            traversal_.run(traced, {}, {trace_hits_.data()});
             continue;
         }
         float milliseconds = 0.0f;
         check(cudaEventRecord(begin, stream_.get()), "recording an event");
-        traversal_.enqueue(trace_rays_.data(), count, kind, {}, {trace_hits_.data()});
+        traversal_.enqueue(traced, {}, {trace_hits_.data()});
         check(cudaEventRecord(end, stream_.get()), "recording an event");
         check(cudaEventSynchronize(end), "tracing");
         check(cudaEventElapsedTime(&milliseconds, begin, end), "timing");

@@ -330,9 +330,9 @@ void StageRun::launch_level(const LevelView& view, const Array<Ray>& rays, const
     const bool strided = parameters_.block_order == reference::BlockOrder::strided;
     if (bvh_.is_level_of_subtrees(stage_.level)) {
         launch_subtrees<Width>(
-            {scene_.bvh<Width>(), rays.data(), static_cast<std::uint32_t>(rays.size()), view, hits,
-             minimum, strided && stage_.level > 0},
-            blocks, threads, {}, nullptr);
+            {scene_.bvh<Width>(), rays.data(), view, hits, minimum}, blocks,
+            {static_cast<std::uint32_t>(rays.size()), threads, strided, false, scene_.root()}, {},
+            nullptr);
     } else if (stage_.kind == StageKind::intersect_root) {
         SCOTTY_LAUNCH(intersect_root<Width>, blocks, threads, nullptr, scene_.bvh<Width>(),
                       rays.data(), static_cast<std::uint32_t>(rays.size()), view, hits, minimum);

@@ -44,15 +44,6 @@ struct SubtreeStack {
     Child children[reference::kSubtreeStack];
 };
 
-/// slabs_of_subtree() asks for the node that is the root.
-template <int Width>
-struct RootAccess {
-    const reference::WideNode<Width>* inner;
-    SCOTTY_DEVICE const reference::WideNode<Width>* node(std::uint32_t ref) const {
-        return inner + ref;
-    }
-};
-
 template <int Width>
 SCOTTY_DEVICE const typename SubtreeRay<Width>::Planes* planes_entered(const BvhView<Width>& bvh,
                                                                        int axis, float inverse) {
@@ -61,11 +52,28 @@ SCOTTY_DEVICE const typename SubtreeRay<Width>::Planes* planes_entered(const Bvh
     return inverse > 0.0f ? low : low + Width / SubtreeRay<Width>::kGroup;
 }
 
-/// `root`: a node of the last level that has queues, as its node_refs has it.
+/// Where a ray begins: a node of the last level that has queues.
+struct SubtreeRoot {
+    std::uint32_t at;       ///< as SubtreeRay::at
+    float low[3], high[3];  ///< its box; of a leaf anything
+};
+
+/// `ref`: as the node's node_refs has it.
+template <int Width>
+SCOTTY_DEVICE SubtreeRoot subtree_root(const BvhView<Width>& bvh, std::uint32_t ref) {
+    if (reference::is_leaf(ref)) {
+        return {reference::kLeafBit | bvh.leaves[reference::ref_index(ref)].first, {}, {}};
+    }
+    const reference::WideNode<Width>& node = bvh.inner[ref];
+    return {ref - bvh.first_subtree,
+            {node.low[0], node.low[1], node.low[2]},
+            {node.high[0], node.high[1], node.high[2]}};
+}
+
 template <int Width>
 SCOTTY_DEVICE void begin_subtree(SubtreeRay<Width>& walk, const BvhView<Width>& bvh,
-                                 std::uint32_t root, const reference::Ray& ray, float limit) {
-    walk.slabs = reference::slabs_of_subtree<Width>(RootAccess<Width>{bvh.inner}, root, ray);
+                                 const SubtreeRoot& root, const reference::Ray& ray, float limit) {
+    walk.slabs = reference::slabs_below(root.low, root.high, ray);
     walk.near_x = planes_entered(bvh, 0, walk.slabs.inverse.x);
     walk.near_y = planes_entered(bvh, 1, walk.slabs.inverse.y);
     walk.near_z = planes_entered(bvh, 2, walk.slabs.inverse.z);
@@ -76,13 +84,7 @@ SCOTTY_DEVICE void begin_subtree(SubtreeRay<Width>& walk, const BvhView<Width>& 
     walk.best = reference::no_hit();
     walk.best.t = limit < ray.t_max ? limit : ray.t_max;
     walk.waiting = 0;
-    if (reference::is_dead(ray)) {
-        walk.at = reference::kNone;
-    } else if (reference::is_leaf(root)) {
-        walk.at = reference::kLeafBit | bvh.leaves[reference::ref_index(root)].first;
-    } else {
-        walk.at = root - bvh.first_subtree;
-    }
+    walk.at = reference::is_dead(ray) ? reference::kNone : root.at;
 }
 
 /// The planes on the other side of the same boxes.

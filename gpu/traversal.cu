@@ -102,26 +102,24 @@ void Traversal::release() {
     lowered_.release();
 }
 
-void Traversal::run(const reference::Ray* rays, std::uint32_t count, reference::TraversalKind kind,
-                    const StagePlace& place, const FinalHits& hits) {
+void Traversal::run(const TracedRays& traced, const StagePlace& place, const FinalHits& hits) {
     do {
-        enqueue(rays, count, kind, place, hits);
+        enqueue(traced, place, hits);
     } while (!is_one_launch() && grow(place));
 }
 
-void Traversal::enqueue(const reference::Ray* rays, std::uint32_t count,
-                        reference::TraversalKind kind, const StagePlace& place,
-                        const FinalHits& hits) {
-    rays_ = rays;
-    count_ = count;
-    kind_ = kind;
+void Traversal::enqueue(const TracedRays& traced, const StagePlace& place, const FinalHits& hits) {
+    rays_ = traced.rays;
+    count_ = traced.count;
+    kind_ = traced.kind;
+    coherent_ = traced.coherent;
     final_hits_ = is_one_launch() ? hits : FinalHits{};
     prepare_levels();
     if (is_one_launch()) {
         launch_kernel(place.at_level(0), level_view(0));
         return;
     }
-    prepare_rays(count);
+    prepare_rays(count_);
     clear(place);
     for (std::uint32_t level = 0; level < scene_.level_count(); ++level) {
         const StagePlace here = place.at_level(level);
@@ -220,13 +218,9 @@ void Traversal::launch_intersect(const StagePlace& place, const LevelView& level
     const auto threads = static_cast<std::uint32_t>(parameters_.rays_per_block);
     const bool strided = parameters_.block_order == reference::BlockOrder::strided;
     if (scene_.is_level_of_subtrees(place.level)) {
-        std::uint32_t blocks = level_blocks_.subtrees;
-        if (place.level == 0) {
-            blocks = std::min(blocks, (count_ + kSubtreeThreads - 1) / kSubtreeThreads);
-        }
-        launch_subtrees<Width>({scene_.bvh<Width>(), rays_, count_, level, hit_view(),
-                                minimum_view(), strided && place.level > 0},
-                               blocks, threads, final_hits_, stream_);
+        launch_subtrees<Width>(
+            {scene_.bvh<Width>(), rays_, level, hit_view(), minimum_view()}, level_blocks_.subtrees,
+            {count_, threads, strided, coherent_, scene_.root()}, final_hits_, stream_);
     } else if (place.level == 0) {
         const std::uint32_t blocks = (count_ + threads - 1) / threads;
         SCOTTY_LAUNCH(intersect_root<Width>, std::min(blocks, level_blocks_.queues), threads,

@@ -25,6 +25,14 @@ struct LevelBlocks {
     std::uint32_t subtrees;
 };
 
+/// Rays in device memory.
+struct TracedRays {
+    const reference::Ray* rays = nullptr;
+    std::uint32_t count = 0;
+    reference::TraversalKind kind = reference::TraversalKind::closest;
+    bool coherent = false;  ///< those side by side go much the same way: what is fast, no more
+};
+
 class Traversal {
  public:
     Traversal(const DeviceScene& scene, const reference::PipelineParameters& parameters,
@@ -34,13 +42,12 @@ class Traversal {
     /// potential of rays without one may be added to the radiance instead. Grows queues and hit
     /// buffers and runs again until nothing was too small. Throws OutOfDeviceMemory where it cannot
     /// grow.
-    void run(const reference::Ray* rays, std::uint32_t count, reference::TraversalKind kind,
-             const reference::StagePlace& place, const FinalHits& hits);
+    void run(const TracedRays& traced, const reference::StagePlace& place, const FinalHits& hits);
 
     /// Queues one traversal without looking at its faults: what is timed, after run() has sized
     /// the buffers for the same rays.
-    void enqueue(const reference::Ray* rays, std::uint32_t count, reference::TraversalKind kind,
-                 const reference::StagePlace& place, const FinalHits& hits);
+    void enqueue(const TracedRays& traced, const reference::StagePlace& place,
+                 const FinalHits& hits);
 
     /// Without queues a ray's hit is final when its launch ends: nothing is buffered, and what
     /// nobody looks at is neither merged nor resolved in a launch of its own.
@@ -85,6 +92,7 @@ class Traversal {
     const reference::Ray* rays_ = nullptr;
     std::uint32_t count_ = 0;
     reference::TraversalKind kind_ = reference::TraversalKind::closest;
+    bool coherent_ = false;
     FinalHits final_hits_;  ///< of a traversal of one launch
 
     std::size_t queue_capacity_ = 0;

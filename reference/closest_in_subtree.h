@@ -129,16 +129,11 @@ SCOTTY_HD Vec3 saturated(const Vec3& offset) {
     return max_number(min_number(offset, Vec3(kLargest)), Vec3(-kLargest));
 }
 
-/// A ray prepared for all boxes of a subtree: they are padded as the root's own is, which is more
+/// A ray prepared for all boxes below a node: they are padded as the node's own is, which is more
 /// than each needs.
-template <int Width, class Access>
-SCOTTY_HD RaySlabs slabs_of_subtree(const Access& access, std::uint32_t root, const Ray& ray) {
-    float pad = 0.0f;
-    if (!is_leaf(root)) {
-        const WideNode<Width>& node = *access.node(root);
-        pad = box_pad(ray.origin, Vec3(node.low[0], node.low[1], node.low[2]),
-                      Vec3(node.high[0], node.high[1], node.high[2]));
-    }
+SCOTTY_HD RaySlabs slabs_below(const float (&low)[3], const float (&high)[3], const Ray& ray) {
+    const float pad =
+        box_pad(ray.origin, Vec3(low[0], low[1], low[2]), Vec3(high[0], high[1], high[2]));
     const RaySlabs slabs = ray_slabs(ray.origin, safe_inverse(ray.direction), pad);
     return {slabs.inverse, saturated(slabs.near_offset), saturated(slabs.far_offset)};
 }
@@ -180,7 +175,11 @@ struct SubtreeWalk {
         best = {kInfinity, kNone};
         ref = root;
         waiting = 0;
-        slabs = slabs_of_subtree<Width>(access, root, ray);
+        if (is_leaf(root)) {
+            slabs.inverse = safe_inverse(ray.direction);  // no boxes
+        } else {
+            slabs = slabs_below(access.node(root)->low, access.node(root)->high, ray);
+        }
         shear = ray_shear(ray.direction);
     }
 

@@ -29,39 +29,34 @@ template __global__ void intersect<16>(BvhView<16>, const reference::Ray*, Level
                                        MinimumView, bool);
 template __global__ void intersect_root<2>(BvhView<2>, const reference::Ray*, std::uint32_t,
                                            LevelView, HitView, MinimumView);
-template __global__ void intersect_subtrees_any<2>(BvhView<2>, const reference::Ray*, std::uint32_t,
-                                                   LevelView, HitView, MinimumView, std::uint32_t,
-                                                   bool, FinalHits);
-template __global__ void intersect_subtrees_closest<2>(BvhView<2>, const reference::Ray*,
-                                                       std::uint32_t, LevelView, HitView,
-                                                       MinimumView, std::uint32_t, bool, FinalHits);
+template __global__ void intersect_subtrees_any<2>(BvhView<2>, const reference::Ray*, LevelView,
+                                                   HitView, MinimumView, SubtreeWork, FinalHits);
+template __global__ void intersect_subtrees_closest<2>(BvhView<2>, const reference::Ray*, LevelView,
+                                                       HitView, MinimumView, SubtreeWork,
+                                                       FinalHits);
 
 template __global__ void intersect_root<4>(BvhView<4>, const reference::Ray*, std::uint32_t,
                                            LevelView, HitView, MinimumView);
-template __global__ void intersect_subtrees_any<4>(BvhView<4>, const reference::Ray*, std::uint32_t,
-                                                   LevelView, HitView, MinimumView, std::uint32_t,
-                                                   bool, FinalHits);
-template __global__ void intersect_subtrees_closest<4>(BvhView<4>, const reference::Ray*,
-                                                       std::uint32_t, LevelView, HitView,
-                                                       MinimumView, std::uint32_t, bool, FinalHits);
+template __global__ void intersect_subtrees_any<4>(BvhView<4>, const reference::Ray*, LevelView,
+                                                   HitView, MinimumView, SubtreeWork, FinalHits);
+template __global__ void intersect_subtrees_closest<4>(BvhView<4>, const reference::Ray*, LevelView,
+                                                       HitView, MinimumView, SubtreeWork,
+                                                       FinalHits);
 
 template __global__ void intersect_root<8>(BvhView<8>, const reference::Ray*, std::uint32_t,
                                            LevelView, HitView, MinimumView);
-template __global__ void intersect_subtrees_any<8>(BvhView<8>, const reference::Ray*, std::uint32_t,
-                                                   LevelView, HitView, MinimumView, std::uint32_t,
-                                                   bool, FinalHits);
-template __global__ void intersect_subtrees_closest<8>(BvhView<8>, const reference::Ray*,
-                                                       std::uint32_t, LevelView, HitView,
-                                                       MinimumView, std::uint32_t, bool, FinalHits);
+template __global__ void intersect_subtrees_any<8>(BvhView<8>, const reference::Ray*, LevelView,
+                                                   HitView, MinimumView, SubtreeWork, FinalHits);
+template __global__ void intersect_subtrees_closest<8>(BvhView<8>, const reference::Ray*, LevelView,
+                                                       HitView, MinimumView, SubtreeWork,
+                                                       FinalHits);
 
 template __global__ void intersect_root<16>(BvhView<16>, const reference::Ray*, std::uint32_t,
                                             LevelView, HitView, MinimumView);
-template __global__ void intersect_subtrees_any<16>(BvhView<16>, const reference::Ray*,
-                                                    std::uint32_t, LevelView, HitView, MinimumView,
-                                                    std::uint32_t, bool, FinalHits);
+template __global__ void intersect_subtrees_any<16>(BvhView<16>, const reference::Ray*, LevelView,
+                                                    HitView, MinimumView, SubtreeWork, FinalHits);
 template __global__ void intersect_subtrees_closest<16>(BvhView<16>, const reference::Ray*,
-                                                        std::uint32_t, LevelView, HitView,
-                                                        MinimumView, std::uint32_t, bool,
-                                                        FinalHits);
+                                                        LevelView, HitView, MinimumView,
+                                                        SubtreeWork, FinalHits);
 
 }  // namespace SCOTTY_DEVICE_NAMESPACE
