@@ -53,6 +53,7 @@ class DeviceMemory {
     }
     void upload(std::span<const T> host, const char* name) {
         resize(host.size(), name);
+        if (host.empty()) return;
         check(cudaMemcpy(memory_, host.data(), host.size_bytes(), cudaMemcpyHostToDevice), name);
     }
     void release() {

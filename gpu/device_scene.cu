@@ -76,10 +76,13 @@ DeviceScene::DeviceScene(const reference::Scene& scene, const reference::WideBvh
             subtrees_.upload(bytes_of(subtrees, subtrees.size()), "BVH nodes below the queues");
         },
         bvh.inner);
-    leaves_.upload(bvh.leaves, "BVH leaves");
+    // Of nodes below the queues nobody asks for an id.
+    const std::uint32_t nodes = bvh.level_begins.back();
+    const std::vector<std::uint32_t> positions = positions_of_parents(bvh);
+    leaves_.upload({bvh.leaves.data(), nodes - inner_before(bvh, nodes)}, "BVH leaves");
     triangle_rows_.upload(triangle_rows(bvh), "BVH triangles");
-    node_refs_.upload(bvh.node_refs, "BVH node references");
-    parent_positions_.upload(positions_of_parents(bvh), "BVH parents");
+    node_refs_.upload({bvh.node_refs.data(), nodes}, "BVH node references");
+    parent_positions_.upload({positions.data(), nodes}, "BVH parents");
 
     view_ = reference::view_of(scene);
     view_.vertices = vertices_.data();
