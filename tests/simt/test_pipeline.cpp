@@ -245,34 +245,44 @@ TEST_CASE("pipeline: without queues a traversal merges its own hits, unless some
         void on_stage(const StageView&) override {}
     } watcher;
     const Scene& scene = scene_named("spheres");
-    const std::vector<Ray> rays = scotty::reference::test::random_rays(300, 1.5f, 7);
+    const std::vector<Ray> incoherent = scotty::reference::test::random_rays(300, 1.5f, 7);
+    std::vector<Ray> coherent = incoherent;  // a thread each
+    for (Ray& ray : coherent) ray.direction = scotty::reference::Vec3(0.1f, 0.2f, 1.0f);
+    std::vector<Ray> dead = incoherent;
+    for (std::size_t i = 0; i < dead.size(); i += 3) dead[i] = scotty::reference::dead_ray();
     PipelineParameters p = small_parameters();
     p.queue_levels = 1;
     scotty::reference::WideBvh bvh = bvh_of("spheres", p.width);
     cut_levels(bvh, p.queue_levels);
-    for (const EarlyOut early_out : {EarlyOut::off, EarlyOut::level, EarlyOut::immediate}) {
-        p.early_out = early_out;
-        for (const TraversalKind kind : {TraversalKind::closest, TraversalKind::any}) {
-            const auto merges = [&](StageObserver* observer, std::vector<Hit>& hits) {
-                auto pipeline = make_simt_pipeline(scene, bvh, p, {}, observer);
-                pipeline->trace(rays, kind, hits);
-                return std::any_of(pipeline->launches().begin(), pipeline->launches().end(),
-                                   [](const auto& launch) {
-                                       return launch.kind == StageKind::merge_intersections;
-                                   });
-            };
-            std::vector<Hit> alone(rays.size()), watched(rays.size());
-            CHECK_FALSE(merges(nullptr, alone));
-            CHECK(merges(&watcher, watched));
-            CHECK(scotty::emulation::test::same_bits(alone, watched));
-            CHECK(std::any_of(alone.begin(), alone.end(),
-                              [](const Hit& hit) { return is_hit(hit); }));
+    for (const auto& rays : {incoherent, coherent, dead}) {
+        for (const EarlyOut early_out : {EarlyOut::off, EarlyOut::level, EarlyOut::immediate}) {
+            p.early_out = early_out;
+            for (const TraversalKind kind : {TraversalKind::closest, TraversalKind::any}) {
+                const auto merges = [&](StageObserver* observer, std::vector<Hit>& hits) {
+                    auto pipeline = make_simt_pipeline(scene, bvh, p, {}, observer);
+                    pipeline->trace(rays, kind, hits);
+                    std::vector<Hit> again(rays.size());  // what the launch before has left
+                    pipeline->trace(rays, kind, again);
+                    CHECK(scotty::emulation::test::same_bits(hits, again));
+                    return std::any_of(pipeline->launches().begin(), pipeline->launches().end(),
+                                       [](const auto& launch) {
+                                           return launch.kind == StageKind::merge_intersections;
+                                       });
+                };
+                std::vector<Hit> alone(rays.size()), watched(rays.size());
+                CHECK_FALSE(merges(nullptr, alone));
+                CHECK(merges(&watcher, watched));
+                CHECK(scotty::emulation::test::same_bits(alone, watched));
+                CHECK(std::any_of(alone.begin(), alone.end(),
+                                  [](const Hit& hit) { return is_hit(hit); }));
+            }
         }
     }
 }
 
-TEST_CASE("pipeline: a warp's pool that is full takes fewer visits at once", "[simt][pipeline]") {
-    // Every ray enters almost every box, and there is nothing to cull by before the first leaf.
+TEST_CASE("pipeline: below the queues a ray that enters almost every box has room for what waits",
+          "[simt][pipeline]") {
+    // There is nothing to cull by before the first leaf.
     const Scene scene = scotty::reference::test::soup(3000, 3.0f, 11);
     const std::vector<Ray> rays = scotty::reference::test::random_rays(64, 0.5f, 12);
     PipelineParameters p = small_parameters();
