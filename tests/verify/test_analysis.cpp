@@ -9,6 +9,7 @@
 #include "verify/analysis_figures.h"
 #include "verify/analysis_findings.h"
 #include "verify/analysis_page.h"
+#include "verify/page.h"
 
 namespace {
 
@@ -181,6 +182,10 @@ TEST_CASE("analysis: the page has every analysis, fetches nothing, and escapes n
         CHECK_THAT(page, Contains("<section id=\"" + definition.name + "\""));
     }
     CHECK_THAT(page, Contains("default-src 'none'") && !Contains("<script") && !Contains("src="));
+    for (const auto& [name, text] : page_files()) {
+        const bool style = name == "house.css" || name == "analysis.css";
+        if (style) CHECK_THAT(page, Contains(std::string(text)));
+    }
     CHECK_THAT(analysis_text(runs), Contains("Tree width (width)") && Contains("fastest at"));
     AnalysisRun part = made_run("part");
     part.results.resize(1);
