@@ -90,6 +90,7 @@ SCOTTY_DEVICE void begin_subtree(SubtreeRay<Width>& walk, const BvhView<Width>& 
 /// The planes on the other side of the same boxes.
 template <int Width, class Planes>
 SCOTTY_DEVICE const Planes* other_side(const Planes* planes) {
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): nodes are aligned so that one bit is the side
     return reinterpret_cast<const Planes*>(reinterpret_cast<std::uintptr_t>(planes) ^
                                            (Width * sizeof(float)));
 }

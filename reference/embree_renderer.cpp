@@ -77,23 +77,23 @@ void show_batch(StageObserver& observer, std::uint32_t number, const BatchExtent
 
 }  // namespace
 
-Image render_with_embree(const Scene& scene, const PipelineParameters& given,
+Image render_with_embree(const Scene& scene, const PipelineParameters& parameters,
                          const EmbreeTracer& tracer, std::size_t threads, StageObserver* observer) {
-    validate(given);
-    PipelineParameters parameters = given;
+    validate(parameters);
+    PipelineParameters batched = parameters;
     if (observer == nullptr) {  // fewer waits for the last thread of a batch
-        parameters.batch_rays = 1u << 28;
-        parameters.samples_per_pass = 0;
+        batched.batch_rays = 1u << 28;
+        batched.samples_per_pass = 0;
     }
     const SceneView view = view_of(scene);
-    const PathParameters path = path_parameters(parameters);
-    const std::uint32_t pixels = parameters.image_width * parameters.image_height;
-    Image image{parameters.image_width, parameters.image_height,
+    const PathParameters path = path_parameters(batched);
+    const std::uint32_t pixels = batched.image_width * batched.image_height;
+    Image image{batched.image_width, batched.image_height,
                 std::vector<Vec3>(pixels, Vec3(0.0f, 0.0f, 0.0f))};
     oneapi::tbb::task_arena arena(threads == 0 ? oneapi::tbb::task_arena::automatic
                                                : static_cast<int>(threads));
     for (std::uint32_t number = 0;; ++number) {
-        const auto batch = batch_extent(parameters, number);
+        const auto batch = batch_extent(batched, number);
         if (!batch) return image;
         const std::uint32_t end_sample = batch->first_sample + batch->samples;
         const auto add_samples = [&](const oneapi::tbb::blocked_range<std::uint32_t>& range) {
@@ -102,7 +102,7 @@ Image render_with_embree(const Scene& scene, const PipelineParameters& given,
                 for (std::uint32_t sample = batch->first_sample; sample < end_sample; ++sample) {
                     sum += trace_path(view, path, tracer, pixel, sample);
                 }
-                if (end_sample == parameters.spp) sum /= static_cast<float>(parameters.spp);
+                if (end_sample == batched.spp) sum /= static_cast<float>(batched.spp);
                 image.pixels[pixel] = sum;
             }
         };
