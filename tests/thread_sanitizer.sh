@@ -3,7 +3,9 @@
 #
 # The sanitizer sees no order between threads that a library without it has made, so that Debian's TBB would be all false
 # alarms. TBB is built from Debian's own source (which the package index must list: deb-src); Embree and OpenImageIO have
-# threads of their own, and reports through them are suppressed.
+# threads and locks of their own, and reports through them are suppressed, as is flatten(), which reads the tree that Embree's
+# threads have built. One test is left out: its kernel reaches memory that is not there, and the sanitizer, which looks for that
+# memory's shadow first, dies of it.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 build=$PWD/build/tsan
@@ -20,8 +22,8 @@ fi
 ninja -C "$tbb/build" tbb
 cmake --preset tsan >/dev/null
 ninja -C "$build"
-printf 'race:%s\n' libembree3.so libOpenImageIO >"$tbb/suppressions"
+printf 'race:%s\n' libembree3.so libOpenImageIO flatten >"$tbb/suppressions"
 library=$(find "$tbb/build" -name libtbb.so.12 -printf '%h\n' -quit)
 cd "$build"
 LD_LIBRARY_PATH=$library TSAN_OPTIONS="suppressions=$tbb/suppressions allocator_may_return_null=1" \
-    ctest -LE lint --timeout 900 --output-on-failure "$@"
+    ctest -LE lint -E 'a thread that reaches memory which is not there' --timeout 900 --output-on-failure "$@"
