@@ -119,7 +119,7 @@ class Device {
             const Watch::InBlock watched(watch_, index, threads);
             watch_.run_block(kernel, Block(index, threads));
         };
-        watch_.run_launch(threads, schedule, ++launches_, [&] {
+        watch_.run_launch(blocks, threads, schedule, ++launches_, [&] {
             if (schedule.kind != ScheduleKind::free) {
                 for (const std::uint32_t i : block_order(schedule, launches_, blocks)) run(i);
                 return;

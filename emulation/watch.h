@@ -33,10 +33,10 @@ class Watch {
     struct InBlock {
         InBlock(Watch&, std::uint32_t /*index*/, std::uint32_t /*threads*/) {}
     };
-    template <class Blocks>
-    void run_launch(std::uint32_t /*threads*/, const Schedule&, std::uint64_t /*launch*/,
-                    const Blocks& blocks) {
-        blocks();
+    template <class Run>
+    void run_launch(std::uint32_t /*blocks*/, std::uint32_t /*threads*/, const Schedule&,
+                    std::uint64_t /*launch*/, const Run& run) {
+        run();
     }
 
     /// What the launches of this host thread are called from now on.

@@ -34,7 +34,7 @@ void BlockRunner::enter(const Launch& launch, std::uint32_t block) {
     if (launch.checker == nullptr) return;
     shared_shadow_.resize(SharedMemory::kBytes / 4);
     context.checker = launch.checker;
-    context.launch = launch.number;
+    context.first_block = launch.first_block;
     context.shared_shadow = shared_shadow_.data();
 }
 

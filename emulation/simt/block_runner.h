@@ -29,7 +29,7 @@ struct Launch {
     const void* arguments = nullptr;
     MemoryChecker* checker = nullptr;
     Interleaver* interleaver = nullptr;
-    std::uint32_t number = 0;  ///< to the checker
+    std::uint32_t first_block = 0;  ///< to the checker
 };
 
 class BlockRunner {
@@ -63,7 +63,7 @@ class BlockRunner {
     ThreadOrder order_;
     FrameArena arena_;
     SharedMemory shared_;
-    std::vector<Shadow> shared_shadow_;  ///< where there is a checker
+    std::vector<SharedShadow> shared_shadow_;  ///< where there is a checker
     std::uint64_t threads_run_ = 0;
 };
 

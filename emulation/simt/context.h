@@ -15,7 +15,7 @@ constexpr std::uint32_t kLanes = 32;
 
 class MemoryChecker;  // check/memory_checker.h
 class Interleaver;    // interleave/interleaver.h
-struct Shadow;
+struct SharedShadow;
 
 /// Where a thread of the block stands.
 struct ThreadStop {
@@ -54,8 +54,8 @@ struct Context {
     MemoryChecker* checker = nullptr;
     /// Who hears of them instead, where blocks take turns in their middle; null: they do not.
     Interleaver* interleaver = nullptr;
-    std::uint32_t launch = 0;         ///< its number, to the checker
-    Shadow* shared_shadow = nullptr;  ///< of the block's shared memory
+    std::uint32_t first_block = 0;          ///< of the launch, to the checker
+    SharedShadow* shared_shadow = nullptr;  ///< of the block's shared memory
 };
 
 inline constinit thread_local Context context{};

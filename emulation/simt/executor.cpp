@@ -36,7 +36,7 @@ void Executor::run(Launch& launch) {
         return;
     }
     launch.checker = checker_.get();
-    launch.number = checker_->begin_launch(launch.kernel);
+    launch.first_block = checker_->begin_launch(launch.kernel, launch.blocks);
     throw_findings_of(*checker_, launch.kernel, launch.threads, [&] { run_blocks(launch); });
 }
 

@@ -26,6 +26,9 @@ const char* verb(Access access) {
 }
 
 std::string who_text(std::uint32_t thread, std::uint32_t block) {
+    constexpr std::uint32_t some = MemoryFinding::kSomeOther;
+    if (block == some) return "a thread of another block";
+    if (thread == some) return "another thread of block " + std::to_string(block);
     return "thread " + std::to_string(thread) + " of block " + std::to_string(block);
 }
 

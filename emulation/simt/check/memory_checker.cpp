@@ -12,79 +12,63 @@ namespace scotty::emulation::simt {
 
 namespace {
 
-constexpr std::uint32_t kThreadMask = 0x3ff;
-constexpr std::uint32_t kSeveralThreads = 1u << 10;
-constexpr std::uint32_t kSeveralBlocks = 1u << 11;
-constexpr std::uint32_t kPhaseShift = 12;
 constexpr std::size_t kMostFindings = 20;
 
-/// Workers of blocks that run at once look at one word's shadow at once. Halves may then be of two
-/// accesses; of one kind and one launch, from two blocks, which is all that is asked of them.
-Stamp load(const Stamp& stamp) {
-    Stamp out;
-    const auto* from = reinterpret_cast<const std::uint64_t*>(&stamp);
-    const std::uint64_t halves[2] = {__atomic_load_n(from, __ATOMIC_RELAXED),
-                                     __atomic_load_n(from + 1, __ATOMIC_RELAXED)};
-    std::memcpy(&out, halves, sizeof out);
-    return out;
-}
-void store(Stamp& stamp, const Stamp& value) {
-    auto* to = reinterpret_cast<std::uint64_t*>(&stamp);
-    std::uint64_t halves[2];
-    std::memcpy(halves, &value, sizeof value);
-    __atomic_store_n(to, halves[0], __ATOMIC_RELAXED);
-    __atomic_store_n(to + 1, halves[1], __ATOMIC_RELAXED);
-}
+constexpr bool is_plain(Access access) { return static_cast<unsigned>(access) < 2; }
+/// Which half of a Shadow.
+constexpr std::size_t half(Access access) { return static_cast<std::size_t>(access) & 1u; }
 
-std::uint32_t when_of(const Accessor& who) {
-    return (who.phase << kPhaseShift) | (who.thread & kThreadMask);
+/// Workers of blocks that run at once look at one word's shadow at once. Stamp and place may then
+/// be of two accesses; of one kind and one launch, from two blocks, which is all that is asked of
+/// them.
+Stamp load(const Stamp& stamp) { return __atomic_load_n(&stamp, __ATOMIC_RELAXED); }
+void store(Shadow& shadow, std::size_t which, Stamp stamp, std::uint32_t place) {
+    __atomic_store_n(&shadow.stamps[which], stamp, __ATOMIC_RELAXED);
+    __atomic_store_n(&shadow.places[which], place, __ATOMIC_RELAXED);
 }
 
 /// Whether nothing orders an earlier access before this one.
-bool unordered(const Stamp& earlier, const Accessor& who, bool shared) {
-    if (earlier.launch != who.launch) return false;
+template <bool shared>
+bool unordered(Stamp earlier, Accessor who) {
+    if (earlier < who.launch) return false;
+    const Stamp differs = earlier ^ who.now;
+    const bool other_block = differs >> kBlockShift != 0;
     if (shared) {
-        if (earlier.block != who.block) return false;  // another block's memory, which was here
-    } else if (earlier.block != who.block || (earlier.when & kSeveralBlocks) != 0) {
+        if (other_block) return false;  // another block's memory, which was here
+    } else if (other_block || (earlier & kSeveralBlocks) != 0) {
         return true;
     }
-    if ((earlier.when ^ when_of(who)) >> kPhaseShift != 0) return false;
-    return (earlier.when & kSeveralThreads) != 0 || (earlier.when & kThreadMask) != who.thread;
+    if (static_cast<std::uint32_t>(differs) >> kPhaseShift != 0) return false;
+    return (earlier & kSeveralThreads) != 0 || (differs & kThreadOfStamp) != 0;
 }
 
 /// Notes an access beside those of its kind before.
-void note(Stamp& stamp, std::uint32_t place, const Accessor& who, bool shared) {
-    const std::uint32_t when = when_of(who);
-    Stamp now{who.launch, who.block, place, when};
-    const Stamp before = load(stamp);
-    if (before.launch == who.launch) {
-        if (before.block == who.block) {
-            now.when |= before.when & kSeveralBlocks;
-            if ((before.when ^ when) >> kPhaseShift == 0) {
-                const bool same = (before.when & kThreadMask) == who.thread;
-                if (same || (before.when & kSeveralThreads) != 0) return;
-                now = before;
-                now.when |= kSeveralThreads;
-            }
-        } else if (!shared) {
-            now.when |= kSeveralBlocks;
+template <bool shared, Access access>
+void note(Shadow& shadow, std::uint32_t place, Accessor who) {
+    constexpr std::size_t which = half(access);
+    const Stamp before = load(shadow.stamps[which]);
+    Stamp now = who.now;
+    // Two writes by two threads, and one of them is not the last: that is a race already.
+    if (access != Access::write && before >= who.launch) {
+        const Stamp differs = before ^ now;
+        if (!shared && (before & kSeveralBlocks) != 0) return;  // more than that is not asked
+        if (differs >> kBlockShift != 0) {
+            if (!shared) now |= kSeveralBlocks;
+        } else if (static_cast<std::uint32_t>(differs) >> kPhaseShift == 0) {
+            if ((before & kSeveralThreads) != 0 || (differs & kThreadOfStamp) == 0) return;
+            __atomic_store_n(&shadow.stamps[which], before | kSeveralThreads, __ATOMIC_RELAXED);
+            return;
         }
     }
-    store(stamp, now);
+    store(shadow, which, now, place);
 }
 
-/// Kinds that may not meet each kind unordered.
-struct Conflicts {
-    Access with[3];
-    int count;
-};
-constexpr Conflicts kConflicts[4] = {
-    {{Access::write, Access::atomic}, 2},                // read
-    {{Access::write, Access::read, Access::atomic}, 3},  // write
-    {{Access::write, Access::read}, 2},                  // atomic
-    {{Access::write}, 1},                                // relaxed read
-};
-constexpr std::size_t index(Access access) { return static_cast<std::size_t>(access); }
+/// Whether two kinds may not meet unordered.
+constexpr bool conflict(Access one, Access other) {
+    if (one == Access::write || other == Access::write) return true;
+    return (one == Access::read && other == Access::atomic) ||
+           (one == Access::atomic && other == Access::read);
+}
 
 /// Relaxed reads that an atomic of their launch met, by place: of the whole process.
 struct RelaxedTally {
@@ -96,26 +80,28 @@ RelaxedTally& relaxed_tally() {
     return tally;
 }
 
-/// The one of the two may have come first.
-void tally_relaxed(const Shadow& shadow, Access access, std::uint32_t place, const Accessor& who,
-                   bool shared) {
-    const bool reads = access == Access::relaxed_read;
-    const Stamp other = load(shadow.of[index(reads ? Access::atomic : Access::relaxed_read)]);
-    if (!unordered(other, who, shared)) return;
+/// A relaxed read or an atomic: it may have met the other. The one of the two may have come first.
+template <bool shared, Access access>
+void tally_relaxed(const Shadow& others, std::uint32_t place, Accessor who) {
+    constexpr bool reads = access == Access::relaxed_read;
+    constexpr std::size_t other = half(reads ? Access::atomic : Access::relaxed_read);
+    if (!unordered<shared>(load(others.stamps[other]), who)) return;
     RelaxedTally& tally = relaxed_tally();
     const std::scoped_lock lock(tally.mutex);
-    ++tally.met[reads ? place : other.place];
+    ++tally.met[reads ? place : others.places[other]];
 }
 
 }  // namespace
 
 MemoryChecker::MemoryChecker()
     : memory_(kDeviceBytes, "the device's memory"),
-      shadow_memory_(kDeviceBytes / 4 * sizeof(Shadow), "what is known of each word"),
+      plain_memory_(kDeviceBytes / 4 * sizeof(Shadow), "what is known of each word"),
+      others_memory_(kDeviceBytes / 4 * sizeof(Shadow), "what is known of each atomic"),
       state_memory_(kDeviceBytes / 4, "which words are written"),
       begin_(reinterpret_cast<std::uintptr_t>(memory_.data())),
       text_begin_(program_begin()),
-      shadows_(reinterpret_cast<Shadow*>(shadow_memory_.data())),
+      plain_(reinterpret_cast<Shadow*>(plain_memory_.data())),
+      others_(reinterpret_cast<Shadow*>(others_memory_.data())),
       states_(reinterpret_cast<std::uint8_t*>(state_memory_.data())) {}
 
 void* MemoryChecker::allocate(std::size_t bytes) {
@@ -124,13 +110,13 @@ void* MemoryChecker::allocate(std::size_t bytes) {
     const std::size_t offset = used_;
     used_ += room + kGuard;
     std::memset(memory_.data() + offset, kPoisonByte, bytes);
-    std::memset(states_ + offset / 4, unwritten, (bytes + 3) / 4);
+    std::memset(states_ + offset / 4, kOwned, (bytes + 3) / 4);
     allocations_[offset] = {bytes, "device memory"};
     return memory_.data() + offset;
 }
 
 void MemoryChecker::forget_all() {
-    std::memset(states_, nobodys, (used_ + 3) / 4);
+    std::memset(states_, kNobodys, (used_ + 3) / 4);
     allocations_.clear();
     downloads_.clear();
     used_ = kGuard;
@@ -151,14 +137,14 @@ void* MemoryChecker::allocate_or_throw(std::size_t bytes, const char* name) {
 void MemoryChecker::discard(const void* memory, std::size_t bytes, bool each_slot_once) {
     const std::uintptr_t offset = reinterpret_cast<std::uintptr_t>(memory) - begin_;
     if (offset >= kDeviceBytes) return;
-    std::memset(states_ + offset / 4, each_slot_once ? unwritten_once : unwritten, (bytes + 3) / 4);
+    std::memset(states_ + offset / 4, each_slot_once ? kOwned | kOnce : kOwned, (bytes + 3) / 4);
 }
 
 bool MemoryChecker::release(void* memory) {
     const std::uintptr_t offset = reinterpret_cast<std::uintptr_t>(memory) - begin_;
     if (offset >= kDeviceBytes) return false;
     if (const auto found = allocations_.find(offset); found != allocations_.end()) {
-        std::memset(states_ + offset / 4, freed, (found->second.bytes + 3) / 4);
+        std::memset(states_ + offset / 4, kFreed, (found->second.bytes + 3) / 4);
     }
     return true;
 }
@@ -171,11 +157,12 @@ void MemoryChecker::label(const void* memory, const char* name) {
 void MemoryChecker::note_upload(const void* to, std::size_t bytes) {
     const std::uintptr_t offset = reinterpret_cast<std::uintptr_t>(to) - begin_;
     if (offset >= kDeviceBytes || bytes == 0) return;
-    std::memset(states_ + offset / 4, written, (offset + bytes + 3) / 4 - offset / 4);
+    const std::size_t end = (offset + bytes + 3) / 4;
+    std::memset(states_ + offset / 4, kOwned | kWritten, end - offset / 4);
     // What a kernel wrote here is gone.
-    for (std::size_t word = offset / 4; word < (offset + bytes + 3) / 4; ++word) {
-        if (shadows_[word].of[index(Access::write)].launch != 0) shadows_[word] = {};
-        if (shadows_[word].of[index(Access::atomic)].launch != 0) shadows_[word] = {};
+    for (std::size_t word = offset / 4; word < end; ++word) {
+        if (plain_[word].stamps[half(Access::write)] != 0) plain_[word] = {};
+        if (others_[word].stamps[half(Access::atomic)] != 0) others_[word] = {};
     }
 }
 
@@ -196,26 +183,47 @@ std::optional<Writer> MemoryChecker::last_writer(const void* host) const {
     return writer_of((download->offset + (at - download->host)) / 4);
 }
 
-std::optional<Writer> MemoryChecker::writer_of(std::size_t word) const {
-    const Shadow& shadow = shadows_[word];
-    const Stamp& plain = shadow.of[index(Access::write)];
-    const Stamp& atomic = shadow.of[index(Access::atomic)];
-    const bool atomically = atomic.launch > plain.launch;
-    const Stamp& last = atomically ? atomic : plain;
-    if (last.launch == 0) return std::nullopt;
-    return Writer{kernels_[last.launch - 1],
-                  last.launch == kernels_.size(),
-                  atomically,
-                  last.block,
-                  last.when & kThreadMask,
-                  last.place};
+const MemoryChecker::LaunchOfBlocks& MemoryChecker::launch_of(Stamp stamp) const {
+    const auto after = std::upper_bound(
+        launches_.begin(), launches_.end(), stamp >> kBlockShift,
+        [](Stamp block, const LaunchOfBlocks& launch) { return block < launch.first; });
+    return *std::prev(after);
 }
 
-std::uint32_t MemoryChecker::begin_launch(const char* kernel) {
-    kernels_.emplace_back(kernel);
+std::optional<Writer> MemoryChecker::writer_of(std::size_t word) const {
+    const Shadow* last = &plain_[word];
+    std::size_t which = half(Access::write);
+    const Stamp atomic = others_[word].stamps[half(Access::atomic)];
+    const bool atomically =
+        atomic != 0 && (last->stamps[which] == 0 ||
+                        launch_of(atomic).first > launch_of(last->stamps[which]).first);
+    if (atomically) {
+        last = &others_[word];
+        which = half(Access::atomic);
+    }
+    const Stamp stamp = last->stamps[which];
+    if (stamp == 0) return std::nullopt;
+    const LaunchOfBlocks& launch = launch_of(stamp);
+    return Writer{launch.kernel,
+                  &launch == &launches_.back(),
+                  atomically,
+                  static_cast<std::uint32_t>(stamp >> kBlockShift) - launch.first,
+                  static_cast<std::uint32_t>(stamp & kThreadOfStamp),
+                  last->places[which]};
+}
+
+std::uint32_t MemoryChecker::begin_launch(const char* kernel, std::uint32_t blocks) {
+    if (blocks > ~std::uint32_t{0} - next_block_) {
+        throw reference::Error::missing_environment(
+            "--check: more than four billion blocks; check a smaller picture (--size) or fewer "
+            "samples (--spp)");
+    }
+    const std::uint32_t first = next_block_;
+    next_block_ += blocks;
+    launches_.push_back({first, kernel});
     downloads_.clear();
     reported_.clear();
-    return static_cast<std::uint32_t>(kernels_.size());
+    return first;
 }
 
 std::vector<MemoryFinding> MemoryChecker::take_findings() {
@@ -223,101 +231,128 @@ std::vector<MemoryFinding> MemoryChecker::take_findings() {
     return std::exchange(findings_, {});
 }
 
-void MemoryChecker::check_device(Access access, std::uintptr_t offset, std::size_t bytes,
-                                 std::uint32_t place, const Accessor& who) {
-    const std::size_t end = std::min(offset + bytes + 3, kDeviceBytes) / 4;
-    for (std::size_t word = offset / 4; word < end; ++word) {
-        if (__atomic_load_n(states_ + word, __ATOMIC_RELAXED) != written &&
-            !settle(access, word, place, who)) [[unlikely]] {
-            return;
-        }
-        Shadow& shadow = shadows_[word];
-        const Conflicts& conflicts = kConflicts[index(access)];
-        for (int i = 0; i < conflicts.count; ++i) {
-            const Stamp other = load(shadow.of[index(conflicts.with[i])]);
-            if (unordered(other, who, false)) [[unlikely]] {
-                report(MemoryFinding::Kind::race, access, place, who, &other, conflicts.with[i],
-                       4 * word, nullptr);
-            }
-        }
-        if (access == Access::relaxed_read || access == Access::atomic) {
-            tally_relaxed(shadow, access, place, who, false);
-        }
-        if (access == Access::write) {
-            // Two writes by two threads, and one of them is not the last: that is a race already.
-            store(shadow.of[index(access)], {who.launch, who.block, place, when_of(who)});
-        } else {
-            note(shadow.of[index(access)], place, who, false);
+template <bool shared, Access access, Access other>
+void MemoryChecker::check_pair(const Shadow& shadow, std::uint32_t place, Accessor who,
+                               std::uintptr_t offset, const SharedMemory* memory) {
+    if constexpr (conflict(access, other)) {
+        const Stamp earlier = load(shadow.stamps[half(other)]);
+        if (unordered<shared>(earlier, who)) [[unlikely]] {
+            const Other one{other, earlier, shadow.places[half(other)]};
+            report(MemoryFinding::Kind::race, access, place, who, &one, offset, memory);
         }
     }
 }
 
-bool MemoryChecker::settle(Access access, std::size_t word, std::uint32_t place,
-                           const Accessor& who) {
+template <bool shared, Access access>
+void MemoryChecker::check_all(Shadow& plain, Shadow& others, std::uint32_t place, Accessor who,
+                              std::uintptr_t offset, const SharedMemory* memory) {
+    check_pair<shared, access, Access::write>(plain, place, who, offset, memory);
+    check_pair<shared, access, Access::read>(plain, place, who, offset, memory);
+    check_pair<shared, access, Access::relaxed_read>(others, place, who, offset, memory);
+    check_pair<shared, access, Access::atomic>(others, place, who, offset, memory);
+    if constexpr (is_plain(access)) {
+        note<shared, access>(plain, place, who);
+    } else {
+        tally_relaxed<shared, access>(others, place, who);
+        note<shared, access>(others, place, who);
+    }
+}
+
+template <Access access>
+void MemoryChecker::check_others(std::size_t word, std::uint32_t place, Accessor who) {
+    // From now on plain accesses, too, look at both.
+    if (!is_plain(access) && (__atomic_load_n(states_ + word, __ATOMIC_RELAXED) & kOthers) == 0) {
+        __atomic_fetch_or(states_ + word, kOthers, __ATOMIC_RELAXED);
+    }
+    check_all<false, access>(plain_[word], others_[word], place, who, 4 * word, nullptr);
+}
+
+template <Access access>
+void MemoryChecker::check_device(std::uintptr_t offset, std::size_t bytes, std::uint32_t place,
+                                 const Context& running) {
+    constexpr std::uint8_t asked = access == Access::write ? kWritten | kOnce : kWritten;
+    const Accessor who(running);
+    const std::size_t end = std::min(offset + bytes + 3, kDeviceBytes) / 4;
+    for (std::size_t word = offset / 4; word < end; ++word) {
+        const std::uint8_t state = __atomic_load_n(states_ + word, __ATOMIC_RELAXED);
+        if ((state & asked) != kWritten && !settle(access, word, place, who)) [[unlikely]]
+            return;
+        if (!is_plain(access) || (state & kOthers) != 0) {
+            check_others<access>(word, place, who);
+            continue;
+        }
+        Shadow& plain = plain_[word];
+        check_pair<false, access, Access::write>(plain, place, who, 4 * word, nullptr);
+        check_pair<false, access, Access::read>(plain, place, who, 4 * word, nullptr);
+        note<false, access>(plain, place, who);
+    }
+}
+
+bool MemoryChecker::settle(Access access, std::size_t word, std::uint32_t place, Accessor who) {
     using Kind = MemoryFinding::Kind;
-    const auto found = [&](Kind kind, const Stamp* other) {
-        report(kind, access, place, who, other, Access::write, 4 * word, nullptr);
+    const auto found = [&](Kind kind, const Other* other) {
+        report(kind, access, place, who, other, 4 * word, nullptr);
         return false;
     };
     const std::uint8_t state = __atomic_load_n(states_ + word, __ATOMIC_RELAXED);
-    switch (state) {
-        case nobodys:
-            return found(Kind::outside, nullptr);
-        case freed:
-            return found(Kind::freed, nullptr);
-        case written_once: {
-            if (access != Access::write) return true;
-            const Stamp other = load(shadows_[word].of[index(Access::write)]);
-            // Unordered, it is a race, which says more.
-            return unordered(other, who, false) || found(Kind::twice, &other);
-        }
-        default:
-            break;
+    if ((state & kFreed) != 0) return found(Kind::freed, nullptr);
+    if (state == kNobodys) return found(Kind::outside, nullptr);
+    if ((state & kWritten) != 0) {
+        // A slot that is given away once, or one that another worker has just written.
+        if (access != Access::write || (state & kOnce) == 0) return true;
+        const Shadow& plain = plain_[word];
+        const Other other{Access::write, load(plain.stamps[half(Access::write)]),
+                          plain.places[half(Access::write)]};
+        // Unordered, it is a race, which says more.
+        return unordered<false>(other.stamp, who) || found(Kind::twice, &other);
     }
     if (access != Access::write) return found(Kind::unwritten, nullptr);
-    const std::uint8_t now = state == unwritten_once ? written_once : written;
-    __atomic_store_n(states_ + word, now, __ATOMIC_RELAXED);
+    __atomic_fetch_or(states_ + word, kWritten, __ATOMIC_RELAXED);
     return true;
 }
 
-void MemoryChecker::check_shared(Access access, std::uintptr_t offset, std::size_t bytes,
-                                 std::uint32_t place, const Accessor& who,
-                                 const SharedMemory& shared, Shadow* shadows) {
-    const std::size_t end = std::min(offset + bytes + 3, SharedMemory::kBytes) / 4;
-    if (offset + bytes > shared.used()) {
-        report(MemoryFinding::Kind::outside, access, place, who, nullptr, access, offset, &shared);
+template <Access access>
+void MemoryChecker::check_shared(std::uintptr_t offset, std::size_t bytes, std::uint32_t place,
+                                 const Context& running) {
+    const Accessor who(running);
+    const SharedMemory& shared = *running.shared;
+    SharedShadow* const shadows = running.shared_shadow;
+    if (offset + bytes > shared.used()) [[unlikely]] {
+        report(MemoryFinding::Kind::outside, access, place, who, nullptr, offset, &shared);
         return;
     }
-    const auto is_own = [&](const Stamp& s) {
-        return s.launch == who.launch && s.block == who.block;
-    };
+    const auto is_own = [&](Stamp stamp) { return (stamp ^ who.now) >> kBlockShift == 0; };
+    const std::size_t end = std::min(offset + bytes + 3, SharedMemory::kBytes) / 4;
     for (std::size_t word = offset / 4; word < end; ++word) {
-        Shadow& shadow = shadows[word];
-        if (access != Access::write && !is_own(shadow.of[index(Access::write)]) &&
-            !is_own(shadow.of[index(Access::atomic)])) [[unlikely]] {
-            report(MemoryFinding::Kind::unwritten, access, place, who, nullptr, access, 4 * word,
-                   &shared);
+        auto& [plain, others] = shadows[word];
+        if (access != Access::write && !is_own(plain.stamps[half(Access::write)]) &&
+            !is_own(others.stamps[half(Access::atomic)])) [[unlikely]] {
+            report(MemoryFinding::Kind::unwritten, access, place, who, nullptr, 4 * word, &shared);
         }
-        const Conflicts& conflicts = kConflicts[index(access)];
-        for (int i = 0; i < conflicts.count; ++i) {
-            const Stamp& other = shadow.of[index(conflicts.with[i])];
-            if (unordered(other, who, true)) [[unlikely]] {
-                report(MemoryFinding::Kind::race, access, place, who, &other, conflicts.with[i],
-                       4 * word, &shared);
-            }
-        }
-        if (access == Access::relaxed_read || access == Access::atomic) {
-            tally_relaxed(shadow, access, place, who, true);
-        }
-        if (access == Access::write) {
-            shadow.of[index(access)] = {who.launch, who.block, place, when_of(who)};
-        } else {
-            note(shadow.of[index(access)], place, who, true);
-        }
+        check_all<true, access>(plain, others, place, who, 4 * word, &shared);
     }
 }
 
-void MemoryChecker::report_register(const Accessor& who, std::uint32_t owner, const void* place) {
+// For instrumentation.cpp.
+template void MemoryChecker::check_device<Access::read>(std::uintptr_t, std::size_t, std::uint32_t,
+                                                        const Context&);
+template void MemoryChecker::check_device<Access::write>(std::uintptr_t, std::size_t, std::uint32_t,
+                                                         const Context&);
+template void MemoryChecker::check_device<Access::relaxed_read>(std::uintptr_t, std::size_t,
+                                                                std::uint32_t, const Context&);
+template void MemoryChecker::check_device<Access::atomic>(std::uintptr_t, std::size_t,
+                                                          std::uint32_t, const Context&);
+template void MemoryChecker::check_shared<Access::read>(std::uintptr_t, std::size_t, std::uint32_t,
+                                                        const Context&);
+template void MemoryChecker::check_shared<Access::write>(std::uintptr_t, std::size_t, std::uint32_t,
+                                                         const Context&);
+template void MemoryChecker::check_shared<Access::relaxed_read>(std::uintptr_t, std::size_t,
+                                                                std::uint32_t, const Context&);
+template void MemoryChecker::check_shared<Access::atomic>(std::uintptr_t, std::size_t,
+                                                          std::uint32_t, const Context&);
+
+void MemoryChecker::report_register(const Context& running, std::uint32_t owner,
+                                    const void* place) {
     const std::scoped_lock lock(findings_mutex_);
     const std::uint32_t offset = offset_in_text(place);
     const std::uint64_t key = static_cast<std::uint64_t>(offset) << 34 |
@@ -325,16 +360,16 @@ void MemoryChecker::report_register(const Accessor& who, std::uint32_t owner, co
     if (findings_.size() >= kMostFindings || !reported_.insert(key).second) return;
     MemoryFinding finding;
     finding.kind = MemoryFinding::Kind::foreign;
-    finding.block = who.block;
-    finding.thread = who.thread;
+    finding.block = running.block;
+    finding.thread = running.thread;
     finding.place = offset;
     finding.other_thread = owner;
     findings_.push_back(std::move(finding));
 }
 
 void MemoryChecker::report(MemoryFinding::Kind kind, Access access, std::uint32_t place,
-                           const Accessor& who, const Stamp* other, Access other_access,
-                           std::uintptr_t offset, const SharedMemory* shared) {
+                           Accessor who, const Other* other, std::uintptr_t offset,
+                           const SharedMemory* shared) {
     const std::scoped_lock lock(findings_mutex_);
     const std::uint64_t key =
         (static_cast<std::uint64_t>(place) << 32 | (other != nullptr ? other->place : 0u)) * 8 +
@@ -343,14 +378,24 @@ void MemoryChecker::report(MemoryFinding::Kind kind, Access access, std::uint32_
     MemoryFinding finding;
     finding.kind = kind;
     finding.access = access;
-    finding.block = who.block;
-    finding.thread = who.thread;
+    finding.block = who.block();
+    finding.thread = who.thread();
     finding.place = place;
     if (other != nullptr) {
-        finding.other_access = other_access;
-        finding.other_block = other->block;
-        finding.other_thread = other->when & kThreadMask;
+        constexpr std::uint32_t some = MemoryFinding::kSomeOther;
+        const Stamp stamp = other->stamp;
+        finding.other_access = other->access;
+        finding.other_block = static_cast<std::uint32_t>((stamp - who.launch) >> kBlockShift);
+        finding.other_thread = static_cast<std::uint32_t>(stamp & kThreadOfStamp);
         finding.other_place = other->place;
+        // Of several, the one that is known may be the one that is here.
+        if (finding.other_block == finding.block && (stamp & kSeveralBlocks) != 0) {
+            finding.other_block = some;
+            finding.other_thread = some;
+        } else if (finding.other_block == finding.block && finding.other_thread == finding.thread &&
+                   (stamp & kSeveralThreads) != 0) {
+            finding.other_thread = some;
+        }
     }
     finding.memory =
         shared != nullptr ? "shared memory " + shared->name_at(offset) : name_of(offset);

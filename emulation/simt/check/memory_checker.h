@@ -9,6 +9,9 @@
 /// to show, and the order in which threads ran does not matter but for which of a pair is named.
 ///
 /// Warp collectives order no memory, as on the device. Bytes of one word count as one location.
+///
+/// What that costs is memory traffic: what is remembered of plain accesses is kept apart from what
+/// is remembered of the others, which few words ever have, and is written only where it changes.
 #pragma once
 
 #include <atomic>
@@ -23,35 +26,53 @@
 #include <vector>
 
 #include "emulation/simt/check/mapped_memory.h"
+#include "emulation/simt/context.h"
 #include "emulation/simt/shared_memory.h"
 
 namespace scotty::emulation::simt {
 
-enum class Access : std::uint8_t { read, write, atomic, relaxed_read };
+/// The upper bit: which Shadow of a word; the lower: which half of it.
+enum class Access : std::uint8_t { read, write, relaxed_read, atomic };
 
-/// One access, in 16 bytes: two of them are compared without unpacking more than they must.
-struct Stamp {
-    std::uint32_t launch = 0;  ///< counted from 1; 0: none
-    std::uint32_t block = 0;
-    std::uint32_t place = 0;  ///< offset of the access in the program's text
-    std::uint32_t when = 0;   ///< phase << 12 | several blocks | several threads | thread
+/// Who touched a word: its block in the upper half, counted over all launches and from 1, so that
+/// what is less than the launch's first is of an earlier launch; in the lower half
+/// phase << 12 | several blocks | several threads | thread. 0: nobody.
+using Stamp = std::uint64_t;
+constexpr Stamp kThreadOfStamp = 0x3ff;
+constexpr Stamp kSeveralThreads = 1u << 10;
+constexpr Stamp kSeveralBlocks = 1u << 11;
+constexpr int kPhaseShift = 12;
+constexpr int kBlockShift = 32;
+
+/// The last accesses of two kinds to four bytes.
+struct Shadow {
+    Stamp stamps[2];
+    std::uint32_t places[2];  ///< offsets of the accesses in the program's text
+};
+/// Those of all kinds.
+struct SharedShadow {
+    Shadow plain;   ///< read, write
+    Shadow others;  ///< relaxed read, atomic
 };
 
-/// The last accesses to four bytes, one of each kind.
-struct alignas(64) Shadow {
-    Stamp of[4];
-};
-
-/// Of the thread that runs, as far as it changes with every access.
+/// The thread that runs.
 struct Accessor {
-    std::uint32_t launch = 0;
-    std::uint32_t block = 0;
-    std::uint32_t thread = 0;
-    std::uint32_t phase = 0;
+    explicit Accessor(const Context& running)
+        : launch(Stamp{running.first_block} << kBlockShift),
+          now((Stamp{running.first_block} + running.block) << kBlockShift |
+              static_cast<std::uint32_t>(running.phase << kPhaseShift) | running.thread) {}
+    std::uint32_t block() const {
+        return static_cast<std::uint32_t>((now - launch) >> kBlockShift);
+    }
+    std::uint32_t thread() const { return static_cast<std::uint32_t>(now & kThreadOfStamp); }
+
+    Stamp launch;  ///< not greater than any of its launch, greater than all before
+    Stamp now;
 };
 
 /// Two accesses that conflict, or one that should not have been.
 struct MemoryFinding {
+    static constexpr std::uint32_t kSomeOther = ~0u;
     enum class Kind : std::uint8_t { race, foreign, twice, unwritten, outside, freed };
     Kind kind = Kind::race;
     Access access = Access::read;
@@ -60,8 +81,8 @@ struct MemoryFinding {
     std::uint32_t place = 0;
     // Of a race, and of a slot written twice: the other one.
     Access other_access = Access::read;
-    std::uint32_t other_block = 0;
-    std::uint32_t other_thread = 0;
+    std::uint32_t other_block = 0;   ///< kSomeOther: of several, only this one is still known
+    std::uint32_t other_thread = 0;  ///< the same
     std::uint32_t other_place = 0;
     std::string memory;  ///< "child_queue, byte 64 of 4096" or "shared memory, byte 12"
 };
@@ -127,28 +148,30 @@ class MemoryChecker {
 
     // Launches.
 
-    /// Its number, for Accessor::launch.
-    std::uint32_t begin_launch(const char* kernel);
+    /// The number of its first block, for Accessor. Throws missing_environment after four billion
+    /// blocks.
+    std::uint32_t begin_launch(const char* kernel, std::uint32_t blocks);
     /// What was found since the last call, the same place of the text once.
     std::vector<MemoryFinding> take_findings();
 
     /// A thread has touched another's register (PerThread). On any worker.
-    void report_register(const Accessor& who, std::uint32_t owner, const void* place);
+    void report_register(const Context& running, std::uint32_t owner, const void* place);
 
-    /// From the instrumented kernel, on any worker. `shared` and `shared_shadow`: of its block.
-    /// Addresses that are neither device nor shared memory are the thread's own affair.
-    void on_access(Access access, const void* address, std::size_t bytes, const void* place,
-                   const Accessor& who, const SharedMemory& shared, Shadow* shared_shadow) {
+    /// From the instrumented kernel, on any worker. Addresses that are neither device memory nor
+    /// shared memory of the block are the thread's own affair.
+    template <Access access>
+    void on_access(const void* address, std::size_t bytes, const void* place,
+                   const Context& running) {
         const auto at = reinterpret_cast<std::uintptr_t>(address);
         const std::uintptr_t offset = at - begin_;
         if (offset < kDeviceBytes) {
-            check_device(access, offset, bytes, offset_in_text(place), who);
+            check_device<access>(offset, bytes, offset_in_text(place), running);
             return;
         }
-        const std::uintptr_t in_block = at - reinterpret_cast<std::uintptr_t>(shared.memory());
+        const std::uintptr_t in_block =
+            at - reinterpret_cast<std::uintptr_t>(running.shared->memory());
         if (in_block < SharedMemory::kBytes) {
-            check_shared(access, in_block, bytes, offset_in_text(place), who, shared,
-                         shared_shadow);
+            check_shared<access>(in_block, bytes, offset_in_text(place), running);
         }
     }
 
@@ -161,7 +184,19 @@ class MemoryChecker {
     static constexpr std::size_t kDeviceBytes = std::size_t{1} << 32;
 
  private:
-    enum State : std::uint8_t { nobodys, freed, unwritten, written, unwritten_once, written_once };
+    /// Of a word, as bits.
+    enum State : std::uint8_t {
+        kNobodys = 0,
+        kOwned = 1,
+        kWritten = 2,
+        kOnce = 4,    ///< a second write is a finding
+        kOthers = 8,  ///< since it was unwritten, somebody touched it otherwise than plainly
+        kFreed = 16,
+    };
+    struct LaunchOfBlocks {
+        std::uint32_t first;  ///< block
+        std::string kernel;
+    };
     struct Allocation {
         std::size_t bytes;
         std::string name;
@@ -176,31 +211,55 @@ class MemoryChecker {
     std::uint32_t offset_in_text(const void* place) const {
         return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(place) - text_begin_);
     }
-    void check_device(Access access, std::uintptr_t offset, std::size_t bytes, std::uint32_t place,
-                      const Accessor& who);
-    void check_shared(Access access, std::uintptr_t offset, std::size_t bytes, std::uint32_t place,
-                      const Accessor& who, const SharedMemory& shared, Shadow* shadows);
+    template <Access access>
+    void check_device(std::uintptr_t offset, std::size_t bytes, std::uint32_t place,
+                      const Context& running);
+    template <Access access>
+    void check_shared(std::uintptr_t offset, std::size_t bytes, std::uint32_t place,
+                      const Context& running);
+    /// An access that is not plain, or a plain one to a word that has such.
+    template <Access access>
+    [[gnu::noinline]] void check_others(std::size_t word, std::uint32_t place, Accessor who);
+    /// `offset`: in device memory, or in the shared memory given.
+    /// The access against one kind of those before.
+    template <bool shared, Access access, Access other>
+    void check_pair(const Shadow& shadow, std::uint32_t place, Accessor who, std::uintptr_t offset,
+                    const SharedMemory* memory);
+    template <bool shared, Access access>
+    void check_all(Shadow& plain, Shadow& others, std::uint32_t place, Accessor who,
+                   std::uintptr_t offset, const SharedMemory* memory);
     /// Whether a word that is not simply written may be touched so; notes that it has been.
-    bool settle(Access access, std::size_t word, std::uint32_t place, const Accessor& who);
-    /// `shared`: null for device memory. `other`: of a race.
-    void report(MemoryFinding::Kind kind, Access access, std::uint32_t place, const Accessor& who,
-                const Stamp* other, Access other_access, std::uintptr_t offset,
-                const SharedMemory* shared);
+    [[gnu::noinline]] bool settle(Access access, std::size_t word, std::uint32_t place,
+                                  Accessor who);
+    /// `shared`: null for device memory. `other`: of a race, or of a slot
+    /// written twice.
+    struct Other {
+        Access access;
+        Stamp stamp;
+        std::uint32_t place;
+    };
+    [[gnu::cold]] void report(MemoryFinding::Kind kind, Access access, std::uint32_t place,
+                              Accessor who, const Other* other, std::uintptr_t offset,
+                              const SharedMemory* shared);
+    const LaunchOfBlocks& launch_of(Stamp stamp) const;
     std::optional<Writer> writer_of(std::size_t word) const;
     /// With findings_mutex_ held, or while no kernel runs.
     std::string name_of(std::uintptr_t offset) const;
 
     MappedMemory memory_;
-    MappedMemory shadow_memory_;
+    MappedMemory plain_memory_;
+    MappedMemory others_memory_;
     MappedMemory state_memory_;
     std::uintptr_t begin_ = 0;
     std::uintptr_t text_begin_ = 0;
-    Shadow* shadows_ = nullptr;
+    Shadow* plain_ = nullptr;   ///< by word: read, write
+    Shadow* others_ = nullptr;  ///< by word: relaxed read, atomic
     std::uint8_t* states_ = nullptr;
     std::size_t used_ = kGuard;
     std::map<std::uintptr_t, Allocation> allocations_;  ///< by offset; kept when freed, for reports
     std::vector<Download> downloads_;
-    std::vector<std::string> kernels_;  ///< by launch - 1
+    std::vector<LaunchOfBlocks> launches_;
+    std::uint32_t next_block_ = 1;
 
     std::mutex findings_mutex_;
     std::vector<MemoryFinding> findings_;

@@ -36,7 +36,7 @@ Watch::InBlock::InBlock(Watch& watch, std::uint32_t index, std::uint32_t threads
     context.block = index;
     context.block_size = threads;
     context.checker = watch.checker_.get();
-    context.launch = watch.number_;
+    context.first_block = watch.first_block_;
     context.shared = &worker.shared;
     context.shared_shadow = worker.shadow.data();
     turns = watch.turns_;
@@ -48,14 +48,14 @@ void Watch::name_launch(reference::StageKind kind, const reference::StagePlace& 
                     place.name(kind);
 }
 
-void Watch::run_launch(std::uint32_t threads, const Schedule& schedule, std::uint64_t launch,
-                       const std::function<void()>& blocks) {
+void Watch::run_launch(std::uint32_t blocks, std::uint32_t threads, const Schedule& schedule,
+                       std::uint64_t launch, const std::function<void()>& run) {
     kernel_ = launch_name();
     threads_ = threads;
-    number_ = checker_->begin_launch(kernel_.c_str());
+    first_block_ = checker_->begin_launch(kernel_.c_str(), blocks);
     latest_checker() = checker_.get();
     turns_ = {schedule, launch};
-    simt::throw_findings_of(*checker_, kernel_, threads, blocks);
+    simt::throw_findings_of(*checker_, kernel_, threads, run);
 }
 
 void Watch::fail_block(const std::string& why) const {
@@ -91,8 +91,7 @@ std::uint32_t Watch::turn(std::uint32_t i, std::uint32_t active) {
 
 void Watch::foreign_register(std::uint32_t owner) {
     if (context.checker == nullptr) return;
-    context.checker->report_register({context.launch, context.block, context.thread, context.phase},
-                                     owner, __builtin_return_address(0));
+    context.checker->report_register(context, owner, __builtin_return_address(0));
 }
 
 }  // namespace scotty::emulation

@@ -14,6 +14,7 @@
 #include "emulation/schedule.h"
 #include "emulation/simt/bad_address.h"
 #include "emulation/simt/check/memory_checker.h"
+#include "emulation/simt/check/unheard.h"
 #include "emulation/simt/context.h"
 #include "emulation/simt/shared_memory.h"
 #include "reference/launch_record.h"
@@ -31,8 +32,8 @@ class Watch {
     /// Shared memory of the blocks that a worker runs, one after the other.
     struct Worker {
         simt::SharedMemory shared;
-        std::vector<simt::Shadow> shadow =
-            std::vector<simt::Shadow>(simt::SharedMemory::kBytes / 4);
+        std::vector<simt::SharedShadow> shadow =
+            std::vector<simt::SharedShadow>(simt::SharedMemory::kBytes / 4);
     };
 
  public:
@@ -48,19 +49,23 @@ class Watch {
         InBlock(const InBlock&) = delete;
         InBlock& operator=(const InBlock&) = delete;
     };
-    /// `blocks()` runs those of the launch. Throws LaunchError where something was found in them.
-    void run_launch(std::uint32_t threads, const Schedule& schedule, std::uint64_t launch,
-                    const std::function<void()>& blocks);
+    /// `run()` runs the blocks of the launch. Throws LaunchError where something was found in them.
+    void run_launch(std::uint32_t blocks, std::uint32_t threads, const Schedule& schedule,
+                    std::uint64_t launch, const std::function<void()>& run);
     static void name_launch(reference::StageKind kind, const reference::StagePlace& place,
                             std::size_t launch);
 
     /// What stands between phases is a phase of its own, in which thread 0 does the block's work.
-    static void begin_phase() { ++simt::context.phase; }
-    static void begin_thread(std::uint32_t thread) { simt::context.thread = thread; }
-    static void end_turn() { ++simt::context.phase; }
+    static void begin_phase() { end_turn(); }
+    static void begin_thread(std::uint32_t thread) {
+        simt::store_unheard(simt::context.thread, thread);
+    }
+    static void end_turn() {
+        simt::store_unheard(simt::context.phase, simt::load_unheard(simt::context.phase) + 1);
+    }
     static void end_phase() {
-        ++simt::context.phase;
-        simt::context.thread = 0;
+        end_turn();
+        begin_thread(0);
     }
     /// The threads of a phase, in the order of the schedule.
     template <class Body>
@@ -84,7 +89,7 @@ class Watch {
         if (!bad.empty()) fail_block(bad);
     }
     static void own_register(std::uint32_t thread) {
-        if (thread != simt::context.thread) foreign_register(thread);
+        if (thread != simt::load_unheard(simt::context.thread)) foreign_register(thread);
     }
 
     simt::MemoryChecker& checker() { return *checker_; }
@@ -101,7 +106,7 @@ class Watch {
     oneapi::tbb::enumerable_thread_specific<Worker> workers_;
     std::string kernel_;  ///< of the launch that runs, as reports call it
     Turns turns_;
-    std::uint32_t number_ = 0;
+    std::uint32_t first_block_ = 0;  ///< of the launch
     std::uint32_t threads_ = 0;
 };
 
