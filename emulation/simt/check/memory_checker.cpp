@@ -44,7 +44,7 @@ bool unordered(Stamp earlier, Accessor who) {
 
 /// Notes an access beside those of its kind before.
 template <bool shared, Access access>
-void note(Shadow& shadow, std::uint32_t place, Accessor who) {
+[[gnu::always_inline]] inline void note(Shadow& shadow, std::uint32_t place, Accessor who) {
     constexpr std::size_t which = half(access);
     const Stamp before = load(shadow.stamps[which]);
     Stamp now = who.now;
@@ -94,25 +94,27 @@ void tally_relaxed(const Shadow& others, std::uint32_t place, Accessor who) {
 }  // namespace
 
 MemoryChecker::MemoryChecker()
-    : memory_(kDeviceBytes, "the device's memory"),
-      plain_memory_(kDeviceBytes / 4 * sizeof(Shadow), "what is known of each word"),
-      others_memory_(kDeviceBytes / 4 * sizeof(Shadow), "what is known of each atomic"),
-      state_memory_(kDeviceBytes / 4, "which words are written"),
-      begin_(reinterpret_cast<std::uintptr_t>(memory_.data())),
+    : memory_(take_checker_memory()),
+      begin_(reinterpret_cast<std::uintptr_t>(memory_->device())),
       text_begin_(program_begin()),
-      plain_(reinterpret_cast<Shadow*>(plain_memory_.data())),
-      others_(reinterpret_cast<Shadow*>(others_memory_.data())),
-      states_(reinterpret_cast<std::uint8_t*>(state_memory_.data())) {}
+      plain_(memory_->plain()),
+      others_(memory_->others()),
+      states_(memory_->states()) {}
+
+MemoryChecker::~MemoryChecker() {
+    forget_all();
+    give_back(std::move(memory_));
+}
 
 void* MemoryChecker::allocate(std::size_t bytes) {
     const std::size_t room = (bytes + 255) / 256 * 256;
     if (room > kDeviceBytes || used_ + room + kGuard > kDeviceBytes) return nullptr;
     const std::size_t offset = used_;
     used_ += room + kGuard;
-    std::memset(memory_.data() + offset, kPoisonByte, bytes);
+    std::memset(memory_->device() + offset, kPoisonByte, bytes);
     std::memset(states_ + offset / 4, kOwned, (bytes + 3) / 4);
     allocations_[offset] = {bytes, "device memory"};
-    return memory_.data() + offset;
+    return memory_->device() + offset;
 }
 
 void MemoryChecker::forget_all() {
@@ -183,43 +185,41 @@ std::optional<Writer> MemoryChecker::last_writer(const void* host) const {
     return writer_of((download->offset + (at - download->host)) / 4);
 }
 
-const MemoryChecker::LaunchOfBlocks& MemoryChecker::launch_of(Stamp stamp) const {
+const MemoryChecker::LaunchOfBlocks* MemoryChecker::launch_of(Stamp stamp) const {
     const auto after = std::upper_bound(
         launches_.begin(), launches_.end(), stamp >> kBlockShift,
         [](Stamp block, const LaunchOfBlocks& launch) { return block < launch.first; });
-    return *std::prev(after);
+    return after == launches_.begin() ? nullptr : &*std::prev(after);
 }
 
 std::optional<Writer> MemoryChecker::writer_of(std::size_t word) const {
-    const Shadow* last = &plain_[word];
-    std::size_t which = half(Access::write);
-    const Stamp atomic = others_[word].stamps[half(Access::atomic)];
-    const bool atomically =
-        atomic != 0 && (last->stamps[which] == 0 ||
-                        launch_of(atomic).first > launch_of(last->stamps[which]).first);
-    if (atomically) {
-        last = &others_[word];
-        which = half(Access::atomic);
-    }
-    const Stamp stamp = last->stamps[which];
-    if (stamp == 0) return std::nullopt;
-    const LaunchOfBlocks& launch = launch_of(stamp);
-    return Writer{launch.kernel,
-                  &launch == &launches_.back(),
-                  atomically,
-                  static_cast<std::uint32_t>(stamp >> kBlockShift) - launch.first,
-                  static_cast<std::uint32_t>(stamp & kThreadOfStamp),
-                  last->places[which]};
+    std::optional<Writer> last;
+    std::uint32_t last_first = 0;
+    const auto look = [&](const Shadow& shadow, Access access) {
+        const Stamp stamp = shadow.stamps[half(access)];
+        const LaunchOfBlocks* const launch = launch_of(stamp);
+        if (launch == nullptr || launch->first <= last_first) return;
+        last_first = launch->first;
+        last = Writer{launch->kernel,
+                      launch == &launches_.back(),
+                      access == Access::atomic,
+                      static_cast<std::uint32_t>(stamp >> kBlockShift) - launch->first,
+                      static_cast<std::uint32_t>(stamp & kThreadOfStamp),
+                      shadow.places[half(access)]};
+    };
+    look(plain_[word], Access::write);
+    look(others_[word], Access::atomic);
+    return last;
 }
 
 std::uint32_t MemoryChecker::begin_launch(const char* kernel, std::uint32_t blocks) {
-    if (blocks > ~std::uint32_t{0} - next_block_) {
+    const std::uint32_t first = memory_->next_block;
+    if (blocks > ~std::uint32_t{0} - first) {
         throw reference::Error::missing_environment(
-            "--check: more than four billion blocks; check a smaller picture (--size) or fewer "
+            "--check: more than two billion blocks; check a smaller picture (--size) or fewer "
             "samples (--spp)");
     }
-    const std::uint32_t first = next_block_;
-    next_block_ += blocks;
+    memory_->next_block += blocks;
     launches_.push_back({first, kernel});
     downloads_.clear();
     reported_.clear();
@@ -233,23 +233,25 @@ std::vector<MemoryFinding> MemoryChecker::take_findings() {
 
 template <bool shared, Access access, Access other>
 void MemoryChecker::check_pair(const Shadow& shadow, std::uint32_t place, Accessor who,
-                               std::uintptr_t offset, const SharedMemory* memory) {
+                               std::uintptr_t offset, const SharedMemory* memory,
+                               const Context& running) {
     if constexpr (conflict(access, other)) {
         const Stamp earlier = load(shadow.stamps[half(other)]);
         if (unordered<shared>(earlier, who)) [[unlikely]] {
             const Other one{other, earlier, shadow.places[half(other)]};
-            report(MemoryFinding::Kind::race, access, place, who, &one, offset, memory);
+            report(MemoryFinding::Kind::race, access, place, running, &one, offset, memory);
         }
     }
 }
 
 template <bool shared, Access access>
 void MemoryChecker::check_all(Shadow& plain, Shadow& others, std::uint32_t place, Accessor who,
-                              std::uintptr_t offset, const SharedMemory* memory) {
-    check_pair<shared, access, Access::write>(plain, place, who, offset, memory);
-    check_pair<shared, access, Access::read>(plain, place, who, offset, memory);
-    check_pair<shared, access, Access::relaxed_read>(others, place, who, offset, memory);
-    check_pair<shared, access, Access::atomic>(others, place, who, offset, memory);
+                              std::uintptr_t offset, const SharedMemory* memory,
+                              const Context& running) {
+    check_pair<shared, access, Access::write>(plain, place, who, offset, memory, running);
+    check_pair<shared, access, Access::read>(plain, place, who, offset, memory, running);
+    check_pair<shared, access, Access::relaxed_read>(others, place, who, offset, memory, running);
+    check_pair<shared, access, Access::atomic>(others, place, who, offset, memory, running);
     if constexpr (is_plain(access)) {
         note<shared, access>(plain, place, who);
     } else {
@@ -259,12 +261,13 @@ void MemoryChecker::check_all(Shadow& plain, Shadow& others, std::uint32_t place
 }
 
 template <Access access>
-void MemoryChecker::check_others(std::size_t word, std::uint32_t place, Accessor who) {
+void MemoryChecker::check_others(std::size_t word, std::uint32_t place, const Context& running) {
     // From now on plain accesses, too, look at both.
     if (!is_plain(access) && (__atomic_load_n(states_ + word, __ATOMIC_RELAXED) & kOthers) == 0) {
         __atomic_fetch_or(states_ + word, kOthers, __ATOMIC_RELAXED);
     }
-    check_all<false, access>(plain_[word], others_[word], place, who, 4 * word, nullptr);
+    check_all<false, access>(plain_[word], others_[word], place, Accessor(running), 4 * word,
+                             nullptr, running);
 }
 
 template <Access access>
@@ -275,23 +278,24 @@ void MemoryChecker::check_device(std::uintptr_t offset, std::size_t bytes, std::
     const std::size_t end = std::min(offset + bytes + 3, kDeviceBytes) / 4;
     for (std::size_t word = offset / 4; word < end; ++word) {
         const std::uint8_t state = __atomic_load_n(states_ + word, __ATOMIC_RELAXED);
-        if ((state & asked) != kWritten && !settle(access, word, place, who)) [[unlikely]]
+        if ((state & asked) != kWritten && !settle(access, word, place, running)) [[unlikely]]
             return;
         if (!is_plain(access) || (state & kOthers) != 0) {
-            check_others<access>(word, place, who);
+            check_others<access>(word, place, running);
             continue;
         }
         Shadow& plain = plain_[word];
-        check_pair<false, access, Access::write>(plain, place, who, 4 * word, nullptr);
-        check_pair<false, access, Access::read>(plain, place, who, 4 * word, nullptr);
+        check_pair<false, access, Access::write>(plain, place, who, 4 * word, nullptr, running);
+        check_pair<false, access, Access::read>(plain, place, who, 4 * word, nullptr, running);
         note<false, access>(plain, place, who);
     }
 }
 
-bool MemoryChecker::settle(Access access, std::size_t word, std::uint32_t place, Accessor who) {
+bool MemoryChecker::settle(Access access, std::size_t word, std::uint32_t place,
+                           const Context& running) {
     using Kind = MemoryFinding::Kind;
     const auto found = [&](Kind kind, const Other* other) {
-        report(kind, access, place, who, other, 4 * word, nullptr);
+        report(kind, access, place, running, other, 4 * word, nullptr);
         return false;
     };
     const std::uint8_t state = __atomic_load_n(states_ + word, __ATOMIC_RELAXED);
@@ -304,7 +308,7 @@ bool MemoryChecker::settle(Access access, std::size_t word, std::uint32_t place,
         const Other other{Access::write, load(plain.stamps[half(Access::write)]),
                           plain.places[half(Access::write)]};
         // Unordered, it is a race, which says more.
-        return unordered<false>(other.stamp, who) || found(Kind::twice, &other);
+        return unordered<false>(other.stamp, Accessor(running)) || found(Kind::twice, &other);
     }
     if (access != Access::write) return found(Kind::unwritten, nullptr);
     __atomic_fetch_or(states_ + word, kWritten, __ATOMIC_RELAXED);
@@ -318,7 +322,7 @@ void MemoryChecker::check_shared(std::uintptr_t offset, std::size_t bytes, std::
     const SharedMemory& shared = *running.shared;
     SharedShadow* const shadows = running.shared_shadow;
     if (offset + bytes > shared.used()) [[unlikely]] {
-        report(MemoryFinding::Kind::outside, access, place, who, nullptr, offset, &shared);
+        report(MemoryFinding::Kind::outside, access, place, running, nullptr, offset, &shared);
         return;
     }
     const auto is_own = [&](Stamp stamp) { return (stamp ^ who.now) >> kBlockShift == 0; };
@@ -327,9 +331,10 @@ void MemoryChecker::check_shared(std::uintptr_t offset, std::size_t bytes, std::
         auto& [plain, others] = shadows[word];
         if (access != Access::write && !is_own(plain.stamps[half(Access::write)]) &&
             !is_own(others.stamps[half(Access::atomic)])) [[unlikely]] {
-            report(MemoryFinding::Kind::unwritten, access, place, who, nullptr, 4 * word, &shared);
+            report(MemoryFinding::Kind::unwritten, access, place, running, nullptr, 4 * word,
+                   &shared);
         }
-        check_all<true, access>(plain, others, place, who, 4 * word, &shared);
+        check_all<true, access>(plain, others, place, who, 4 * word, &shared, running);
     }
 }
 
@@ -368,7 +373,7 @@ void MemoryChecker::report_register(const Context& running, std::uint32_t owner,
 }
 
 void MemoryChecker::report(MemoryFinding::Kind kind, Access access, std::uint32_t place,
-                           Accessor who, const Other* other, std::uintptr_t offset,
+                           const Context& running, const Other* other, std::uintptr_t offset,
                            const SharedMemory* shared) {
     const std::scoped_lock lock(findings_mutex_);
     const std::uint64_t key =
@@ -378,14 +383,15 @@ void MemoryChecker::report(MemoryFinding::Kind kind, Access access, std::uint32_
     MemoryFinding finding;
     finding.kind = kind;
     finding.access = access;
-    finding.block = who.block();
-    finding.thread = who.thread();
+    finding.block = running.block;
+    finding.thread = running.thread;
     finding.place = place;
     if (other != nullptr) {
         constexpr std::uint32_t some = MemoryFinding::kSomeOther;
         const Stamp stamp = other->stamp;
         finding.other_access = other->access;
-        finding.other_block = static_cast<std::uint32_t>((stamp - who.launch) >> kBlockShift);
+        finding.other_block =
+            static_cast<std::uint32_t>(stamp >> kBlockShift) - running.first_block;
         finding.other_thread = static_cast<std::uint32_t>(stamp & kThreadOfStamp);
         finding.other_place = other->place;
         // Of several, the one that is known may be the one that is here.

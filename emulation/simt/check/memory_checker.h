@@ -19,13 +19,14 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
-#include "emulation/simt/check/mapped_memory.h"
+#include "emulation/simt/check/checker_memory.h"
 #include "emulation/simt/context.h"
 #include "emulation/simt/shared_memory.h"
 
@@ -34,38 +35,12 @@ namespace scotty::emulation::simt {
 /// The upper bit: which Shadow of a word; the lower: which half of it.
 enum class Access : std::uint8_t { read, write, relaxed_read, atomic };
 
-/// Who touched a word: its block in the upper half, counted over all launches and from 1, so that
-/// what is less than the launch's first is of an earlier launch; in the lower half
-/// phase << 12 | several blocks | several threads | thread. 0: nobody.
-using Stamp = std::uint64_t;
-constexpr Stamp kThreadOfStamp = 0x3ff;
-constexpr Stamp kSeveralThreads = 1u << 10;
-constexpr Stamp kSeveralBlocks = 1u << 11;
-constexpr int kPhaseShift = 12;
-constexpr int kBlockShift = 32;
-
-/// The last accesses of two kinds to four bytes.
-struct Shadow {
-    Stamp stamps[2];
-    std::uint32_t places[2];  ///< offsets of the accesses in the program's text
-};
-/// Those of all kinds.
-struct SharedShadow {
-    Shadow plain;   ///< read, write
-    Shadow others;  ///< relaxed read, atomic
-};
-
 /// The thread that runs.
 struct Accessor {
     explicit Accessor(const Context& running)
         : launch(Stamp{running.first_block} << kBlockShift),
           now((Stamp{running.first_block} + running.block) << kBlockShift |
               static_cast<std::uint32_t>(running.phase << kPhaseShift) | running.thread) {}
-    std::uint32_t block() const {
-        return static_cast<std::uint32_t>((now - launch) >> kBlockShift);
-    }
-    std::uint32_t thread() const { return static_cast<std::uint32_t>(now & kThreadOfStamp); }
-
     Stamp launch;  ///< not greater than any of its launch, greater than all before
     Stamp now;
 };
@@ -119,6 +94,7 @@ class MemoryChecker {
     /// Address space set aside, not memory used. Throws missing_environment where the system
     /// refuses it.
     MemoryChecker();
+    ~MemoryChecker();
     MemoryChecker(const MemoryChecker&) = delete;
     MemoryChecker& operator=(const MemoryChecker&) = delete;
 
@@ -148,8 +124,8 @@ class MemoryChecker {
 
     // Launches.
 
-    /// The number of its first block, for Accessor. Throws missing_environment after four billion
-    /// blocks.
+    /// The number of its first block, for Accessor. Throws missing_environment after billions
+    /// of blocks.
     std::uint32_t begin_launch(const char* kernel, std::uint32_t blocks);
     /// What was found since the last call, the same place of the text once.
     std::vector<MemoryFinding> take_findings();
@@ -181,7 +157,7 @@ class MemoryChecker {
     }
 
     /// What the pretended device has.
-    static constexpr std::size_t kDeviceBytes = std::size_t{1} << 32;
+    static constexpr std::size_t kDeviceBytes = CheckerMemory::kDeviceBytes;
 
  private:
     /// Of a word, as bits.
@@ -219,18 +195,19 @@ class MemoryChecker {
                       const Context& running);
     /// An access that is not plain, or a plain one to a word that has such.
     template <Access access>
-    [[gnu::noinline]] void check_others(std::size_t word, std::uint32_t place, Accessor who);
+    [[gnu::noinline]] void check_others(std::size_t word, std::uint32_t place,
+                                        const Context& running);
     /// `offset`: in device memory, or in the shared memory given.
     /// The access against one kind of those before.
     template <bool shared, Access access, Access other>
     void check_pair(const Shadow& shadow, std::uint32_t place, Accessor who, std::uintptr_t offset,
-                    const SharedMemory* memory);
+                    const SharedMemory* memory, const Context& running);
     template <bool shared, Access access>
     void check_all(Shadow& plain, Shadow& others, std::uint32_t place, Accessor who,
-                   std::uintptr_t offset, const SharedMemory* memory);
+                   std::uintptr_t offset, const SharedMemory* memory, const Context& running);
     /// Whether a word that is not simply written may be touched so; notes that it has been.
     [[gnu::noinline]] bool settle(Access access, std::size_t word, std::uint32_t place,
-                                  Accessor who);
+                                  const Context& running);
     /// `shared`: null for device memory. `other`: of a race, or of a slot
     /// written twice.
     struct Other {
@@ -239,27 +216,24 @@ class MemoryChecker {
         std::uint32_t place;
     };
     [[gnu::cold]] void report(MemoryFinding::Kind kind, Access access, std::uint32_t place,
-                              Accessor who, const Other* other, std::uintptr_t offset,
+                              const Context& running, const Other* other, std::uintptr_t offset,
                               const SharedMemory* shared);
-    const LaunchOfBlocks& launch_of(Stamp stamp) const;
+    /// Null: not of this checker.
+    const LaunchOfBlocks* launch_of(Stamp stamp) const;
     std::optional<Writer> writer_of(std::size_t word) const;
     /// With findings_mutex_ held, or while no kernel runs.
     std::string name_of(std::uintptr_t offset) const;
 
-    MappedMemory memory_;
-    MappedMemory plain_memory_;
-    MappedMemory others_memory_;
-    MappedMemory state_memory_;
-    std::uintptr_t begin_ = 0;
-    std::uintptr_t text_begin_ = 0;
-    Shadow* plain_ = nullptr;   ///< by word: read, write
-    Shadow* others_ = nullptr;  ///< by word: relaxed read, atomic
-    std::uint8_t* states_ = nullptr;
+    std::unique_ptr<CheckerMemory> memory_;
+    std::uintptr_t begin_;
+    std::uintptr_t text_begin_;
+    Shadow* plain_;         ///< by word: read, write
+    Shadow* others_;        ///< by word: relaxed read, atomic
+    std::uint8_t* states_;  ///< by word
     std::size_t used_ = kGuard;
     std::map<std::uintptr_t, Allocation> allocations_;  ///< by offset; kept when freed, for reports
     std::vector<Download> downloads_;
     std::vector<LaunchOfBlocks> launches_;
-    std::uint32_t next_block_ = 1;
 
     std::mutex findings_mutex_;
     std::vector<MemoryFinding> findings_;

@@ -17,11 +17,13 @@ inline std::uint32_t load_unheard(const std::uint32_t& from) {
 #endif
 }
 
+/// What stands before it stays before it, and what stands behind it behind.
 inline void store_unheard(std::uint32_t& to, std::uint32_t value) {
 #if defined(__x86_64__)
-    asm("movl %1, %0" : "=m"(to) : "r"(value));
+    asm volatile("movl %1, %0" : "=m"(to) : "r"(value) : "memory");
 #else
     to = value;
+    asm volatile("" ::: "memory");
 #endif
 }
 
