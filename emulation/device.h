@@ -20,6 +20,16 @@
 
 namespace scotty::emulation {
 
+/// The thread that runs, in a phase on registers: reaches its own without being asked who it is.
+class OwnThread {
+ public:
+    explicit OwnThread(std::uint32_t index) : index_(index) {}
+    operator std::uint32_t() const { return index_; }  // NOLINT(google-explicit-constructor)
+
+ private:
+    std::uint32_t index_;
+};
+
 /// One value per thread of a block that lives across phases: what a register is on the device. Only
 /// its own thread may touch it; what threads hand to each other is Shared. Uninitialised, as
 /// registers are. One cache line longer than it needs: arrays a page apart would all fall into the
@@ -35,6 +45,8 @@ struct PerThread {
         Watch::own_register(thread);
         return values[thread];
     }
+    T& operator[](OwnThread thread) { return values[thread]; }
+    const T& operator[](OwnThread thread) const { return values[thread]; }
 };
 
 /// Shared memory of a block, which its threads may hand values through from phase to phase:
@@ -63,7 +75,7 @@ class Block {
 
     /// A phase: `body(thread)` for the first `active` threads; the others idle to the barrier that
     /// ends it. Threads of one phase must not depend on each other (loops may vectorise), and
-    /// nothing is handed from one to the next but through the three below.
+    /// nothing is handed from one to the next but through the last three below.
     template <class Body>
     void phase(std::uint32_t active, Body&& body) const {
         Watch::begin_phase();
@@ -73,6 +85,18 @@ class Block {
     template <class Body>
     void phase(Body&& body) const {
         phase(threads_, body);
+    }
+    /// A phase whose threads touch their registers and values of the block that no kernel can
+    /// change, and no memory: `body(OwnThread)`. It vectorises under the checker, too, which
+    /// reports memory that is touched all the same.
+    template <class Body>
+    void phase_on_registers(std::uint32_t active, Body&& body) const {
+        Watch::begin_phase();
+        Watch::begin_registers();
+        const auto run = [&](std::uint32_t thread) { body(OwnThread(thread)); };
+        Watch::each_thread_on_registers(active, run);
+        Watch::end_registers();
+        Watch::end_phase();
     }
     /// A phase in which only thread 0 works.
     template <class Body>

@@ -89,14 +89,14 @@ inline void load_rays(const Block& block, const BlockWork& work, const reference
         out.t_min[thread] = ray.t_min;
         out.t_max[thread] = ray.t_max;
     });
-    block.phase(work.count, [&](std::uint32_t thread) {
+    block.phase_on_registers(work.count, [&](OwnThread thread) {
         out.inverse_x[thread] = reference::safe_inverse(out.inverse_x[thread]);
         out.inverse_y[thread] = reference::safe_inverse(out.inverse_y[thread]);
         out.inverse_z[thread] = reference::safe_inverse(out.inverse_z[thread]);
     });
     if (minimum.policy == reference::EarlyOut::off) {
-        block.phase(work.count,
-                    [&](std::uint32_t thread) { out.limit[thread] = reference::kInfinity; });
+        block.phase_on_registers(
+            work.count, [&](OwnThread thread) { out.limit[thread] = reference::kInfinity; });
     } else {
         block.phase(work.count, [&](std::uint32_t thread) {
             out.limit[thread] = load_relaxed(minimum.minimum[out.id[thread]]);
@@ -112,7 +112,7 @@ void test_children(const Block& block, std::uint32_t count, const reference::Wid
     PerThread<float> near_x, near_y, near_z, far_x, far_y, far_z;
     const Vec3 node_low(node.low[0], node.low[1], node.low[2]);
     const Vec3 node_high(node.high[0], node.high[1], node.high[2]);
-    block.phase(count, [&](std::uint32_t thread) {
+    block.phase_on_registers(count, [&](OwnThread thread) {
         const Vec3 origin(rays.origin_x[thread], rays.origin_y[thread], rays.origin_z[thread]);
         const float pad = reference::box_pad(origin, node_low, node_high);
         near_x[thread] = reference::slab_offset(origin.x, rays.inverse_x[thread], pad);
@@ -127,7 +127,7 @@ void test_children(const Block& block, std::uint32_t count, const reference::Wid
         if (node.child[child] == reference::kNone) continue;
         const Vec3 low(node.low_x[child], node.low_y[child], node.low_z[child]);
         const Vec3 high(node.high_x[child], node.high_y[child], node.high_z[child]);
-        block.phase(count, [&](std::uint32_t thread) {
+        block.phase_on_registers(count, [&](OwnThread thread) {
             const reference::RaySlabs slabs{
                 Vec3(rays.inverse_x[thread], rays.inverse_y[thread], rays.inverse_z[thread]),
                 Vec3(near_x[thread], near_y[thread], near_z[thread]),
@@ -188,7 +188,7 @@ inline void shear_rays(const Block& block, std::uint32_t count, const reference:
     });
 }
 
-inline reference::RayShear shear_of(const BlockShear& shear, std::uint32_t thread) {
+inline reference::RayShear shear_of(const BlockShear& shear, OwnThread thread) {
     return {shear.kz[thread], shear.sx[thread], shear.sy[thread], shear.sz[thread]};
 }
 
@@ -225,7 +225,7 @@ inline void intersect_leaf(const Block& block, std::uint32_t count, const refere
     PerThread<Hit> best;
     PerThread<std::uint32_t> inside;
     shear_rays(block, count, rays, loaded, shear);
-    block.phase(count, [&](std::uint32_t thread) { best[thread] = reference::no_hit(); });
+    block.phase_on_registers(count, [&](OwnThread thread) { best[thread] = reference::no_hit(); });
 
     reference::LeafTriangle shared[kLeafChunk];
     for (std::uint32_t done = 0; done < leaf.count; done += kLeafChunk) {
@@ -234,7 +234,7 @@ inline void intersect_leaf(const Block& block, std::uint32_t count, const refere
         for (std::uint32_t i = 0; i < chunk; ++i) {
             const reference::LeafTriangle triangle = shared[i];
             // Sign test for all threads first: most rays pass outside most triangles.
-            block.phase(count, [&](std::uint32_t thread) {
+            block.phase_on_registers(count, [&](OwnThread thread) {
                 const Vec3 origin(loaded.origin_x[thread], loaded.origin_y[thread],
                                   loaded.origin_z[thread]);
                 const reference::RayShear ray = shear_of(shear, thread);
@@ -247,7 +247,7 @@ inline void intersect_leaf(const Block& block, std::uint32_t count, const refere
                 inside[thread] = static_cast<std::uint32_t>(!(least < 0.0f)) |
                                  static_cast<std::uint32_t>(!(most > 0.0f));
             });
-            block.phase(count, [&](std::uint32_t thread) {
+            block.phase_on_registers(count, [&](OwnThread thread) {
                 if (inside[thread] == 0) return;
                 Hit hit = reference::no_hit();
                 if (!reference::intersect_triangle_line(

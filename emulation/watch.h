@@ -46,10 +46,16 @@ class Watch {
     static void end_phase() {}
     static void begin_thread(std::uint32_t /*thread*/) {}
     static void end_turn() {}
+    static void begin_registers() {}
+    static void end_registers() {}
     /// The threads of a phase.
     template <class Body>
     static void each_thread(std::uint32_t active, Body& body) {
         for (std::uint32_t thread = 0; thread < active; ++thread) body(thread);
+    }
+    template <class Body>
+    static void each_thread_on_registers(std::uint32_t active, Body& body) {
+        each_thread(active, body);
     }
     template <class Kernel, class Block>
     static void run_block(Kernel& kernel, const Block& block) {

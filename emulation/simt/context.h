@@ -12,6 +12,8 @@
 namespace scotty::emulation::simt {
 
 constexpr std::uint32_t kLanes = 32;
+/// Of a thread or block: which one is not known.
+constexpr std::uint32_t kSomeOther = ~0u;
 
 class MemoryChecker;  // check/memory_checker.h
 class Interleaver;    // interleave/interleaver.h
@@ -52,6 +54,8 @@ struct Context {
     sigjmp_buf* way_out = nullptr;  ///< of a thread that reaches for memory which is not there
     /// Who hears of the accesses of instrumented kernels; null: nobody.
     MemoryChecker* checker = nullptr;
+    /// The same in a phase on registers, where there is nothing to hear: Block::phase_on_registers.
+    MemoryChecker* on_registers = nullptr;
     /// Who hears of them instead, where blocks take turns in their middle; null: they do not.
     Interleaver* interleaver = nullptr;
     std::uint32_t first_block = 0;          ///< of the launch, to the checker

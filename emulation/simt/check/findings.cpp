@@ -26,9 +26,8 @@ const char* verb(Access access) {
 }
 
 std::string who_text(std::uint32_t thread, std::uint32_t block) {
-    constexpr std::uint32_t some = MemoryFinding::kSomeOther;
-    if (block == some) return "a thread of another block";
-    if (thread == some) return "another thread of block " + std::to_string(block);
+    if (block == kSomeOther) return "a thread of another block";
+    if (thread == kSomeOther) return "some thread of block " + std::to_string(block);
     return "thread " + std::to_string(thread) + " of block " + std::to_string(block);
 }
 
@@ -64,6 +63,8 @@ std::string to_text(const MemoryFinding& finding) {
             return who_text(finding.thread, finding.block) + " touches a register of thread " +
                    std::to_string(finding.other_thread) + " at " + lines[0] +
                    "; what threads hand to each other is Shared";
+        case MemoryFinding::Kind::no_register:
+            return "memory touched in a phase on registers, " + finding.memory + ": " + one;
         case MemoryFinding::Kind::twice:
             return "slot written twice, " + finding.memory + ": " +
                    who_text(finding.other_thread, finding.other_block) + " " +

@@ -24,6 +24,8 @@ inline void note(const void* address, std::size_t bytes, const void* place) {
     now.last_access = place;
     if (now.checker == nullptr) {
         if (now.interleaver != nullptr) now.interleaver->on_access(access, address, bytes);
+        if (now.on_registers != nullptr)
+            now.on_registers->report_memory(access, address, place, now);
         return;
     }
     now.checker->on_access<access>(address, bytes, place, now);

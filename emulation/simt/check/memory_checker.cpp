@@ -372,6 +372,18 @@ void MemoryChecker::report_register(const Context& running, std::uint32_t owner,
     findings_.push_back(std::move(finding));
 }
 
+void MemoryChecker::report_memory(Access access, const void* address, const void* place,
+                                  const Context& running) {
+    constexpr auto kind = MemoryFinding::Kind::no_register;
+    const auto at = reinterpret_cast<std::uintptr_t>(address);
+    const std::uintptr_t in_block = at - reinterpret_cast<std::uintptr_t>(running.shared->memory());
+    if (at - begin_ < kDeviceBytes) {
+        report(kind, access, offset_in_text(place), running, nullptr, at - begin_, nullptr);
+    } else if (in_block < SharedMemory::kBytes) {
+        report(kind, access, offset_in_text(place), running, nullptr, in_block, running.shared);
+    }
+}
+
 void MemoryChecker::report(MemoryFinding::Kind kind, Access access, std::uint32_t place,
                            const Context& running, const Other* other, std::uintptr_t offset,
                            const SharedMemory* shared) {
@@ -387,7 +399,6 @@ void MemoryChecker::report(MemoryFinding::Kind kind, Access access, std::uint32_
     finding.thread = running.thread;
     finding.place = place;
     if (other != nullptr) {
-        constexpr std::uint32_t some = MemoryFinding::kSomeOther;
         const Stamp stamp = other->stamp;
         finding.other_access = other->access;
         finding.other_block =
@@ -396,11 +407,11 @@ void MemoryChecker::report(MemoryFinding::Kind kind, Access access, std::uint32_
         finding.other_place = other->place;
         // Of several, the one that is known may be the one that is here.
         if (finding.other_block == finding.block && (stamp & kSeveralBlocks) != 0) {
-            finding.other_block = some;
-            finding.other_thread = some;
+            finding.other_block = kSomeOther;
+            finding.other_thread = kSomeOther;
         } else if (finding.other_block == finding.block && finding.other_thread == finding.thread &&
                    (stamp & kSeveralThreads) != 0) {
-            finding.other_thread = some;
+            finding.other_thread = kSomeOther;
         }
     }
     finding.memory =

@@ -47,12 +47,11 @@ struct Accessor {
 
 /// Two accesses that conflict, or one that should not have been.
 struct MemoryFinding {
-    static constexpr std::uint32_t kSomeOther = ~0u;
-    enum class Kind : std::uint8_t { race, foreign, twice, unwritten, outside, freed };
+    enum class Kind : std::uint8_t { race, foreign, no_register, twice, unwritten, outside, freed };
     Kind kind = Kind::race;
     Access access = Access::read;
     std::uint32_t block = 0;
-    std::uint32_t thread = 0;
+    std::uint32_t thread = 0;  ///< kSomeOther: in a phase on registers
     std::uint32_t place = 0;
     // Of a race, and of a slot written twice: the other one.
     Access other_access = Access::read;
@@ -150,6 +149,10 @@ class MemoryChecker {
             check_shared<access>(in_block, bytes, offset_in_text(place), running);
         }
     }
+
+    /// A thread touches memory in a phase on registers.
+    void report_memory(Access access, const void* address, const void* place,
+                       const Context& running);
 
     /// kDeviceBytes or more: no device memory.
     std::uintptr_t offset_of(const void* address) const {

@@ -1,4 +1,6 @@
 // Part of programs that check only: compiled with SCOTTY_CHECKED, and not instrumented.
+#include <utility>
+
 #include "emulation/simt/launch_error.h"
 #include "emulation/simt/thread_order.h"
 #include "emulation/watch.h"
@@ -89,9 +91,17 @@ std::uint32_t Watch::turn(std::uint32_t i, std::uint32_t active) {
     }
 }
 
+void Watch::begin_registers() {
+    context.on_registers = std::exchange(context.checker, nullptr);
+    context.thread = simt::kSomeOther;
+}
+void Watch::end_registers() { context.checker = std::exchange(context.on_registers, nullptr); }
+
 void Watch::foreign_register(std::uint32_t owner) {
-    if (context.checker == nullptr) return;
-    context.checker->report_register(context, owner, __builtin_return_address(0));
+    simt::MemoryChecker* const checker =
+        context.checker != nullptr ? context.checker : context.on_registers;
+    if (checker == nullptr) return;
+    checker->report_register(context, owner, __builtin_return_address(0));
 }
 
 }  // namespace scotty::emulation

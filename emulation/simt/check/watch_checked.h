@@ -77,6 +77,17 @@ class Watch {
             body(thread);
         }
     }
+    /// Who runs is told to nobody, so that the loop vectorises: what would ask is a finding.
+    static void begin_registers();
+    static void end_registers();
+    template <class Body>
+    static void each_thread_on_registers(std::uint32_t active, Body& body) {
+        if (is_ascending()) {
+            for (std::uint32_t thread = 0; thread < active; ++thread) body(thread);
+        } else {
+            for (std::uint32_t i = 0; i < active; ++i) body(turn(i, active));
+        }
+    }
     /// Flattened: registers then are locals that no call sees, which need no watching and cost
     /// none.
     template <class Kernel, class Block>
