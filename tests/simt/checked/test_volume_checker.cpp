@@ -71,6 +71,12 @@ void rank(const Block& block, std::uint32_t* out, bool in_order) {
     }
 }
 
+constexpr int kMemoryOnRegisters = __LINE__ + 3;
+/// Declares a phase to be on registers that is not.
+void add_on_registers(const Block& block, std::uint32_t* words) {
+    block.phase_on_registers(32, [&](OwnThread thread) { words[thread] = words[thread] + 1; });
+}
+
 std::vector<DeviceOptions> every_order() {
     return {{2, ScheduleKind::free, 0},     {0, ScheduleKind::linear, 0},
             {0, ScheduleKind::reversed, 0}, {0, ScheduleKind::strided, 0},
@@ -164,6 +170,44 @@ TEST_CASE("volume checker: a register of another thread is nobody else's",
     });
     CHECK_THAT(what, Contains("thread 0 of block 0 touches a register of thread 1 at " +
                               line(__LINE__ - 3)));
+}
+
+TEST_CASE("volume checker: a phase on registers touches no memory", "[simt][checker][volume]") {
+    for (const DeviceOptions& options : every_order()) {
+        Memory memory(options);
+        std::uint32_t* const words = memory.words.data();
+        const auto what_of = [&](const std::function<void(const Block&)>& kernel) {
+            return memory.error_of(1, 32, kernel);
+        };
+        CHECK_THAT(what_of([&](const Block& block) { add_on_registers(block, words); }),
+                   Contains("memory touched in a phase on registers, the test's words, byte ") &&
+                       Contains("some thread of block 0 reads it at " + line(kMemoryOnRegisters)) &&
+                       Contains("some thread of block 0 writes it at " + line(kMemoryOnRegisters)));
+        CHECK_THAT(what_of([&](const Block& block) {
+                       Shared<std::uint32_t> values("values");
+                       block.phase_on_registers(32,
+                                                [&](OwnThread thread) { values[thread] = thread; });
+                   }),
+                   Contains("memory touched in a phase on registers, shared memory values, byte "));
+        CHECK_THAT(what_of([&](const Block& block) {
+                       PerThread<std::uint32_t> own;
+                       block.phase_on_registers(
+                           31, [&](OwnThread thread) { own[thread + 1] = thread; });
+                   }),
+                   Contains("some thread of block 0 touches a register of thread "));
+        // Each has its own, and memory is watched again behind it.
+        CHECK(what_of([&](const Block& block) {
+                  PerThread<std::uint32_t> own;
+                  block.phase_on_registers(32, [&](OwnThread thread) { own[thread] = 7 * thread; });
+                  block.phase([&](std::uint32_t thread) { words[thread] = own[thread]; });
+              }) == "nothing");
+        CHECK(words[31] == 7 * 31);
+        CHECK_THAT(what_of([&](const Block& block) {
+                       block.phase_on_registers(32, [&](OwnThread) {});
+                       block.phase([&](std::uint32_t) { words[5] += 1; });
+                   }),
+                   Contains("data race on the test's words, byte 20"));
+    }
 }
 
 TEST_CASE("volume checker: memory that nobody has written, that is not there, or no more",
