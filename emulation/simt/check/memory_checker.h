@@ -123,7 +123,7 @@ class MemoryChecker {
 
     // Launches.
 
-    /// The number of its first block, for Accessor. Throws missing_environment after billions
+    /// The number of its first block, for Context. Throws missing_environment after billions
     /// of blocks.
     std::uint32_t begin_launch(const char* kernel, std::uint32_t blocks);
     /// What was found since the last call, the same place of the text once.
