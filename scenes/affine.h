@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "reference/vec3.h"
+#include "reference/base/vec3.h"
 
 namespace scotty::scenes {
 

@@ -3,7 +3,7 @@
 
 #include <assimp/scene.h>
 
-#include "reference/scene.h"
+#include "reference/contract/scene.h"
 #include "scenes/notes.h"
 
 namespace scotty::scenes {

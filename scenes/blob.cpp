@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "reference/memory.h"
+#include "reference/base/memory.h"
 #include "scenes/built_in.h"
 #include "scenes/geodesic.h"
 #include "scenes/mesh.h"

@@ -1,7 +1,7 @@
 /// The built-in scenes' generators: one file each, y up, metres, boxes of about two metres.
 #pragma once
 
-#include "reference/scene.h"
+#include "reference/contract/scene.h"
 #include "scenes/parameters.h"
 
 namespace scotty::scenes {

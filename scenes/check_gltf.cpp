@@ -3,7 +3,7 @@
 #include <cstring>
 #include <utility>
 
-#include "reference/error.h"
+#include "reference/base/error.h"
 #include "scenes/file_checks.h"
 
 namespace scotty::scenes {

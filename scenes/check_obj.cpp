@@ -7,7 +7,7 @@
 #include <string_view>
 #include <utility>
 
-#include "reference/error.h"
+#include "reference/base/error.h"
 #include "scenes/file_checks.h"
 #include "scenes/parse_number.h"
 

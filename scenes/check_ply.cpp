@@ -6,7 +6,7 @@
 #include <sstream>
 #include <utility>
 
-#include "reference/error.h"
+#include "reference/base/error.h"
 #include "scenes/file_checks.h"
 
 namespace scotty::scenes {

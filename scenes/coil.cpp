@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "reference/error.h"
+#include "reference/base/error.h"
 #include "scenes/affine.h"
 #include "scenes/built_in.h"
 #include "scenes/mesh.h"

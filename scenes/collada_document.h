@@ -6,7 +6,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "reference/error.h"
+#include "reference/base/error.h"
 #include "scenes/affine.h"
 
 namespace scotty::scenes {

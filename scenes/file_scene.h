@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "reference/scene.h"
+#include "reference/contract/scene.h"
 #include "scenes/loaders.h"
 #include "scenes/notes.h"
 

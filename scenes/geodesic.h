@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "reference/scene.h"
+#include "reference/contract/scene.h"
 
 namespace scotty::scenes {
 

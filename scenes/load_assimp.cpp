@@ -8,7 +8,7 @@
 #include <map>
 #include <unordered_map>
 
-#include "reference/error.h"
+#include "reference/base/error.h"
 #include "scenes/affine.h"
 #include "scenes/assimp_material.h"
 #include "scenes/file_checks.h"

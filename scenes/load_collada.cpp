@@ -1,7 +1,7 @@
 #include <cstring>
 #include <map>
 
-#include "reference/error.h"
+#include "reference/base/error.h"
 #include "scenes/collada_parts.h"
 #include "scenes/file_scene.h"
 #include "scenes/loaders.h"

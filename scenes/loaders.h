@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "reference/scene.h"
+#include "reference/contract/scene.h"
 
 namespace scotty::scenes {
 

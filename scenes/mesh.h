@@ -6,7 +6,7 @@
 
 #include <cstdint>
 
-#include "reference/scene.h"
+#include "reference/contract/scene.h"
 
 namespace scotty::scenes {
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include "reference/assert.h"
-#include "reference/error.h"
+#include "reference/base/assert.h"
+#include "reference/base/error.h"
 
 namespace scotty::scenes {
 

@@ -7,7 +7,7 @@
 #include <cctype>
 #include <filesystem>
 
-#include "reference/error.h"
+#include "reference/base/error.h"
 #include "scenes/built_in.h"
 #include "scenes/loaders.h"
 #include "scenes/mesh.h"

@@ -7,8 +7,8 @@
 #include <exception>
 #include <utility>
 
-#include "emulation/simt/bad_address.h"
-#include "reference/assert.h"
+#include "emulation/check/bad_address.h"
+#include "reference/base/assert.h"
 
 namespace scotty::emulation::simt {
 

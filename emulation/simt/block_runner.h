@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "emulation/schedule.h"
-#include "emulation/simt/check/memory_checker.h"
-#include "emulation/simt/context.h"
-#include "emulation/simt/launch_error.h"
-#include "emulation/simt/thread_order.h"
+#include "emulation/check/memory_checker.h"
+#include "emulation/execution/context.h"
+#include "emulation/execution/launch_error.h"
+#include "emulation/execution/schedule.h"
+#include "emulation/execution/thread_order.h"
 
 namespace scotty::emulation::simt {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "emulation/simt/context.h"
+#include "emulation/execution/context.h"
 #include "emulation/simt/task.h"
 
 namespace scotty::emulation::simt {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "emulation/simt/executor.h"
-#include "reference/error.h"
+#include "reference/base/error.h"
 
 namespace scotty::emulation::simt {
 

@@ -1,14 +1,14 @@
-/// The kernel dialect's words as the SIMT executor runs them: see gpu/dialect.h, which includes
-/// this file where SCOTTY_DIALECT_HEADER names it.
+/// The kernel dialect's words as the SIMT executor runs them: see gpu/kernels/dialect.h, which
+/// includes this file where SCOTTY_DIALECT_HEADER names it.
 #pragma once
 
 #include <bit>
 #include <cmath>
 #include <cstdint>
 
-#include "emulation/atomics.h"
+#include "emulation/device/atomics.h"
+#include "emulation/execution/context.h"
 #include "emulation/simt/collectives.h"
-#include "emulation/simt/context.h"
 #include "emulation/simt/current_device.h"
 #include "emulation/simt/task.h"
 

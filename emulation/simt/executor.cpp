@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <string>
 
-#include "emulation/simt/bad_address.h"
+#include "emulation/check/bad_address.h"
 #include "emulation/simt/interleave/interleaver.h"
 
 namespace scotty::emulation::simt {

@@ -14,9 +14,9 @@
 #include <utility>
 #include <vector>
 
-#include "emulation/schedule.h"
+#include "emulation/check/memory_checker.h"
+#include "emulation/execution/schedule.h"
 #include "emulation/simt/block_runner.h"
-#include "emulation/simt/check/memory_checker.h"
 #include "emulation/simt/task.h"
 
 namespace scotty::emulation::simt {

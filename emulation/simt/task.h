@@ -9,7 +9,7 @@
 #include <exception>
 #include <type_traits>
 
-#include "emulation/simt/context.h"
+#include "emulation/execution/context.h"
 
 namespace scotty::emulation::simt {
 

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "emulation/intersect.h"
-#include "emulation/intersect_root.h"
-#include "emulation/scan_counts.h"
+#include "emulation/kernels/intersect.h"
+#include "emulation/kernels/intersect_root.h"
+#include "emulation/kernels/scan_counts.h"
 #include "tests/reference/meshes.h"
 
 namespace scotty::emulation::test {

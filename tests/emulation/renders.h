@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "emulation/pipeline.h"
-#include "reference/pipeline_parameters.h"
-#include "reference/wide_bvh.h"
+#include "emulation/host/pipeline.h"
+#include "reference/contract/pipeline_parameters.h"
+#include "reference/contract/wide_bvh.h"
 #include "scenes/scenes.h"
 
 namespace scotty::emulation::test {

@@ -1,9 +1,9 @@
 #include <sstream>
 #include <variant>
 
-#include "reference/error.h"
+#include "reference/base/error.h"
 #include "tests/fuzz/readers.h"
-#include "verify/command.h"
+#include "verify/commands/command.h"
 
 namespace scotty::tests {
 

@@ -3,14 +3,14 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "reference/error.h"
+#include "reference/base/error.h"
 #include "scenes/scenes.h"
-#include "verify/capture.h"
-#include "verify/golden.h"
-#include "verify/ledger.h"
-#include "verify/npy.h"
-#include "verify/ray_file.h"
-#include "verify/waivers.h"
+#include "verify/capture/capture.h"
+#include "verify/capture/npy.h"
+#include "verify/capture/ray_file.h"
+#include "verify/golden/golden.h"
+#include "verify/golden/ledger.h"
+#include "verify/golden/waivers.h"
 
 namespace scotty::tests {
 

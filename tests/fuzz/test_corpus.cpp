@@ -2,7 +2,7 @@
 #include <fstream>
 #include <random>
 
-#include "reference/error.h"
+#include "reference/base/error.h"
 #include "tests/fuzz/readers.h"
 #include "tests/temporary_folder.h"
 

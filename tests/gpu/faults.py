@@ -45,12 +45,12 @@ def build(nvcc, build_folder, out, names):
         objects = []
         for unit in fault["units"]:
             target = os.path.join(folder, unit + ".o")
-            subprocess.run(f"{nvcc} -O3 -arch=sm_90 -std=c++20 {EXACT} -I{folder} -I{TOP} -c {TOP}/gpu/{unit}.cu -o {target}",
+            subprocess.run(f"{nvcc} -O3 -arch=sm_90 -std=c++20 {EXACT} -I{folder} -I{TOP} -c {TOP}/gpu/host/{unit}.cu -o {target}",
                            shell=True, check=True)
             objects.append(target)
         libraries = " ".join(os.path.join(build_folder, path) for path in (
             "verify/libscotty_capture.a", "gpu/libscotty_gpu.a", "gpu/libscotty_gpu_fast.a",
-            "reference/libscotty_records.a"))
+            "reference/libscotty_contract.a", "reference/libscotty_base.a"))
         main = os.path.join(build_folder, "verify/CMakeFiles/scotty_gpu_program.dir/scotty_gpu/main.cpp.o")
         subprocess.run(f"{nvcc} -std=c++20 {main} {' '.join(objects)} {libraries} -lxxhash -o {folder}/scotty-gpu"
                        " -Xlinker -s -Xcompiler -static-libstdc++ -Xcompiler -static-libgcc",

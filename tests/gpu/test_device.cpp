@@ -5,14 +5,14 @@
 #include <cstring>
 #include <iostream>
 
-#include "gpu/parity.h"
-#include "gpu/pipeline.h"
-#include "reference/error.h"
+#include "gpu/host/pipeline.h"
+#include "gpu/parity/parity.h"
+#include "reference/base/error.h"
 #include "scenes/scenes.h"
-#include "verify/backend.h"
-#include "verify/replay.h"
-#include "verify/temporary_capture.h"
-#include "verify/verify.h"
+#include "verify/backends/backend.h"
+#include "verify/backends/temporary_capture.h"
+#include "verify/diff/replay.h"
+#include "verify/sweep/verify.h"
 
 namespace scotty {
 namespace {

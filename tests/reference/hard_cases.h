@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "reference/records.h"
-#include "reference/scene.h"
+#include "reference/contract/records.h"
+#include "reference/contract/scene.h"
 #include "tests/reference/meshes.h"
 
 namespace scotty::reference::test {

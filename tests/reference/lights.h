@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "reference/light_sampling.h"
+#include "reference/numerics/light_sampling.h"
 
 namespace scotty::reference::test {
 

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "reference/scene.h"
+#include "reference/contract/scene.h"
 
 namespace scotty::reference::test {
 

@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-#include "reference/scene.h"
+#include "reference/contract/scene.h"
 
 namespace scotty::tests {
 

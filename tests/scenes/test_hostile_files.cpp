@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "reference/error.h"
+#include "reference/base/error.h"
 #include "scenes/noise.h"
 #include "tests/scenes/collada_text.h"
 #include "tests/scenes/temporary_files.h"

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "reference/error.h"
-#include "verify/analysis.h"
-#include "verify/analysis_catalog.h"
+#include "reference/base/error.h"
+#include "verify/analysis/analysis.h"
+#include "verify/analysis/analysis_catalog.h"
 
 namespace scotty::verify::test {
 

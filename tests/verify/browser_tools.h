@@ -10,7 +10,7 @@
 #include <string>
 
 #include "tests/verify/capture_tools.h"
-#include "verify/ask.h"
+#include "verify/base/ask.h"
 
 namespace scotty::verify::test {
 

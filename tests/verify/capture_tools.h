@@ -8,14 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "emulation/pipeline.h"
-#include "reference/wide_bvh.h"
+#include "emulation/host/pipeline.h"
+#include "reference/contract/wide_bvh.h"
 #include "scenes/scenes.h"
 #include "tests/temporary_folder.h"
 #include "tests/verify/stage_copies.h"
-#include "verify/capture.h"
-#include "verify/capture_writer.h"
-#include "verify/pipeline_input.h"
+#include "verify/capture/capture.h"
+#include "verify/capture/capture_writer.h"
+#include "verify/capture/pipeline_input.h"
 
 namespace scotty::verify::test {
 

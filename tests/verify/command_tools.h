@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "tests/verify/capture_tools.h"
-#include "verify/command.h"
+#include "verify/commands/command.h"
 
 namespace scotty::verify::test {
 

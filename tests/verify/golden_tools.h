@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "tests/verify/stage_copies.h"
-#include "verify/backend.h"
+#include "verify/backends/backend.h"
 
 namespace scotty::verify::test {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "tests/temporary_folder.h"
-#include "verify/measured_image.h"
+#include "verify/images/measured_image.h"
 
 namespace scotty::verify::test {
 

@@ -7,7 +7,7 @@
 #include <random>
 #include <string>
 
-#include "verify/report.h"
+#include "verify/report/report.h"
 
 namespace scotty::verify::test {
 

@@ -3,11 +3,11 @@
 
 #include <vector>
 
-#include "emulation/pipeline.h"
-#include "reference/wide_bvh.h"
+#include "emulation/host/pipeline.h"
+#include "reference/contract/wide_bvh.h"
 #include "scenes/scenes.h"
 #include "tests/verify/stage_copies.h"
-#include "verify/invariants.h"
+#include "verify/invariants/invariants.h"
 
 namespace scotty::verify::test {
 

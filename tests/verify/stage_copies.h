@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "reference/stage_observer.h"
+#include "reference/contract/stage_observer.h"
 
 namespace scotty::verify::test {
 

@@ -9,7 +9,7 @@
 #include <regex>
 #include <utility>
 
-#include "verify/command.h"
+#include "verify/commands/command.h"
 
 namespace scotty::verify {
 

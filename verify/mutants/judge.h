@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "reference/stage_observer.h"
+#include "reference/contract/stage_observer.h"
 #include "verify/mutants/plant.h"
 #include "verify/mutants/processes.h"
 

@@ -1,4 +1,4 @@
-#include "verify/command.h"
+#include "verify/commands/command.h"
 #include "verify/mutants/plant.h"
 #include "verify/mutants/planted.h"
 

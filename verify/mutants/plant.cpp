@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "reference/error.h"
-#include "verify/checked_program.h"
+#include "reference/base/error.h"
+#include "verify/backends/checked_program.h"
 
 namespace scotty::verify {
 

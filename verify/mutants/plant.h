@@ -20,7 +20,7 @@ struct PlantedFault {
     int number = 0;  ///< of its switch
     std::string name;
     std::string what;    ///< in one sentence
-    std::string file;    ///< from the project's root: "gpu/intersect.h"
+    std::string file;    ///< from the project's root: "gpu/kernels/intersect.h"
     std::string defect;  ///< of a published program that had it; mostly empty
     std::string run;     ///< the arguments of the command that has to catch it
     ExpectedCatch expect;

@@ -13,8 +13,8 @@
 #include <map>
 #include <memory>
 
-#include "reference/error.h"
-#include "verify/command.h"
+#include "reference/base/error.h"
+#include "verify/commands/command.h"
 
 namespace scotty::verify {
 

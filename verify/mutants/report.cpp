@@ -5,10 +5,10 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "reference/error.h"
+#include "reference/base/error.h"
+#include "verify/base/shard.h"
 #include "verify/mutants/judge.h"
-#include "verify/report_file.h"
-#include "verify/shard.h"
+#include "verify/report/report_file.h"
 
 namespace scotty::verify {
 

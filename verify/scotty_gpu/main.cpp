@@ -12,12 +12,12 @@
 #include <string>
 #include <vector>
 
-#include "gpu/parity.h"
-#include "gpu/pipeline.h"
-#include "verify/capture_writer.h"
-#include "verify/npy.h"
-#include "verify/pipeline_input.h"
-#include "verify/ray_file.h"
+#include "gpu/host/pipeline.h"
+#include "gpu/parity/parity.h"
+#include "verify/capture/capture_writer.h"
+#include "verify/capture/npy.h"
+#include "verify/capture/pipeline_input.h"
+#include "verify/capture/ray_file.h"
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "emulation/simt/interleave/replayer.h"
-#include "reference/error.h"
+#include "reference/base/error.h"
 
 namespace scotty::emulation::simt {
 

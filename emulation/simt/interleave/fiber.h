@@ -8,7 +8,7 @@
 #include <functional>
 #include <memory>
 
-#include "emulation/simt/context.h"
+#include "emulation/execution/context.h"
 
 namespace scotty::emulation::simt {
 

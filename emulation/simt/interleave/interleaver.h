@@ -9,8 +9,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "emulation/check/memory_checker.h"
 #include "emulation/simt/block_runner.h"
-#include "emulation/simt/check/memory_checker.h"
 #include "emulation/simt/interleave/fiber.h"
 
 namespace scotty::emulation::simt {

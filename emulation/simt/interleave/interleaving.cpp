@@ -4,8 +4,8 @@
 #include <sstream>
 #include <system_error>
 
-#include "reference/error.h"
-#include "reference/write_file.h"
+#include "reference/base/error.h"
+#include "reference/base/write_file.h"
 
 namespace scotty::emulation::simt {
 

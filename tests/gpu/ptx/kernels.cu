@@ -1,21 +1,21 @@
 /// Every kernel, for every width: compiled to PTX to see which instructions they become.
 #include <cuda_runtime.h>
 
-#include "gpu/clear_traversal.h"
-#include "gpu/direct_light_rays.h"
-#include "gpu/filter_bilateral.h"
-#include "gpu/filter_gaussian.h"
-#include "gpu/filter_median.h"
-#include "gpu/intersect.h"
-#include "gpu/intersect_root.h"
-#include "gpu/intersect_subtrees.h"
-#include "gpu/merge_intersections.h"
-#include "gpu/primary_rays.h"
-#include "gpu/publish_minimum.h"
-#include "gpu/reconstruct_image.h"
-#include "gpu/resolve_light.h"
-#include "gpu/scan_counts.h"
-#include "gpu/scene_rays.h"
+#include "gpu/kernels/clear_traversal.h"
+#include "gpu/kernels/direct_light_rays.h"
+#include "gpu/kernels/filter_bilateral.h"
+#include "gpu/kernels/filter_gaussian.h"
+#include "gpu/kernels/filter_median.h"
+#include "gpu/kernels/intersect.h"
+#include "gpu/kernels/intersect_root.h"
+#include "gpu/kernels/intersect_subtrees.h"
+#include "gpu/kernels/merge_intersections.h"
+#include "gpu/kernels/primary_rays.h"
+#include "gpu/kernels/publish_minimum.h"
+#include "gpu/kernels/reconstruct_image.h"
+#include "gpu/kernels/resolve_light.h"
+#include "gpu/kernels/scan_counts.h"
+#include "gpu/kernels/scene_rays.h"
 
 namespace SCOTTY_DEVICE_NAMESPACE {
 

@@ -1,0 +1,111 @@
+#include "emulation/check/source_line.h"
+
+#include <link.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string_view>
+
+namespace scotty::emulation::simt {
+
+namespace {
+
+std::string output_of(const std::string& command) {
+    const std::unique_ptr<FILE, int (*)(FILE*)> pipe(::popen(command.c_str(), "r"), ::pclose);
+    std::string text;
+    if (pipe == nullptr) return text;
+    std::array<char, 4096> piece{};
+    while (const std::size_t got = std::fread(piece.data(), 1, piece.size(), pipe.get())) {
+        text.append(piece.data(), got);
+    }
+    return text;
+}
+
+/// gpu/, tests/, and of emulation/ what is a kernel or its host side, not what these are made of.
+bool is_kernel_text(std::string_view line) {
+    const auto has = [&](std::string_view part) {
+        return line.find(part) != std::string_view::npos;
+    };
+    if (has("gpu/") || has("tests/")) return true;
+    return has("emulation/") && !has("emulation/simt/") && !has("/atomics.h") &&
+           !has("/device.h") && !has("/device_buffer.h") && !has("/watch.h");
+}
+
+/// addr2line prints the address and then a line for each inlined call, innermost first.
+std::map<std::uint32_t, std::string> parse(const std::string& text) {
+    std::map<std::uint32_t, std::string> lines;
+    std::uint32_t offset = 0;
+    std::size_t at = 0;
+    while (at < text.size()) {
+        const std::size_t end = std::min(text.find('\n', at), text.size());
+        std::string line = text.substr(at, end - at);
+        at = end + 1;
+        if (line.starts_with("0x")) {
+            offset = static_cast<std::uint32_t>(std::stoul(line, nullptr, 16));
+            continue;
+        }
+        if (const std::size_t extra = line.find(" (discriminator"); extra != std::string::npos) {
+            line.resize(extra);
+        }
+        if (line.starts_with("?")) continue;
+        line = std::filesystem::path(line).lexically_normal().string();
+        std::string& known = lines[offset];
+        if (known.empty() || (!is_kernel_text(known) && is_kernel_text(line))) known = line;
+    }
+    return lines;
+}
+
+}  // namespace
+
+std::uintptr_t program_begin() {
+    std::uintptr_t begin = 0;
+    // The first object that the loader names is the program itself.
+    ::dl_iterate_phdr(
+        [](dl_phdr_info* info, std::size_t, void* found) {
+            *static_cast<std::uintptr_t*>(found) = info->dlpi_addr;
+            return 1;
+        },
+        &begin);
+    return begin;
+}
+
+std::vector<std::string> source_lines(const std::vector<std::uint32_t>& offsets) {
+    static std::mutex mutex;
+    static std::map<std::uint32_t, std::string> known;
+    const std::scoped_lock lock(mutex);
+    std::string command;
+    for (const std::uint32_t offset : offsets) {
+        // One back: a return address is behind the call.
+        if (offset != 0 && !known.contains(offset)) {
+            char text[16];
+            std::snprintf(text, sizeof text, " 0x%x", offset - 1);
+            command += text;
+        }
+    }
+    if (!command.empty()) {
+        command.insert(0, "addr2line -a -i -e /proc/" + std::to_string(::getpid()) + "/exe");
+        for (auto& [offset, line] : parse(output_of(command.append(" 2>/dev/null")))) {
+            known[offset + 1] = std::move(line);
+        }
+    }
+    std::vector<std::string> lines;
+    for (const std::uint32_t offset : offsets) {
+        std::string& line = known[offset];
+        if (line.empty()) {
+            char text[32];
+            std::snprintf(text, sizeof text, "scotty+0x%x", offset);
+            line = text;
+        }
+        lines.push_back(line);
+    }
+    return lines;
+}
+
+std::string source_line(std::uint32_t offset) { return source_lines({offset}).front(); }
+
+}  // namespace scotty::emulation::simt

@@ -1,0 +1,88 @@
+/// What the virtual device tells the checker of loads and stores (docs/kernel-dialect.md).
+///
+/// In the checked build (scotty-checked) these are real: simt/check/watch_checked.h. Everywhere
+/// else they are empty and cost nothing.
+#pragma once
+
+namespace scotty::emulation {
+
+/// How a buffer is used, as far as a checker can hold a kernel to it.
+enum class BufferUse { any, each_slot_once };
+
+}  // namespace scotty::emulation
+
+#if defined(SCOTTY_CHECKED)
+
+#include "emulation/check/watch_checked.h"
+
+#else
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "emulation/execution/schedule.h"
+#include "reference/contract/launch_record.h"
+
+namespace scotty::emulation {
+
+/// Of one device.
+class Watch {
+ public:
+    /// While a block runs on a worker.
+    struct InBlock {
+        InBlock(Watch&, std::uint32_t /*index*/, std::uint32_t /*threads*/) {}
+    };
+    template <class Run>
+    void run_launch(std::uint32_t /*blocks*/, std::uint32_t /*threads*/, const Schedule&,
+                    std::uint64_t /*launch*/, const Run& run) {
+        run();
+    }
+
+    /// What the launches of this host thread are called from now on.
+    static void name_launch(reference::StageKind, const reference::StagePlace&,
+                            std::size_t /*launch*/) {}
+    static void begin_phase() {}
+    static void end_phase() {}
+    static void begin_thread(std::uint32_t /*thread*/) {}
+    static void end_turn() {}
+    static void begin_registers() {}
+    static void end_registers() {}
+    /// The threads of a phase.
+    template <class Body>
+    static void each_thread(std::uint32_t active, Body& body) {
+        for (std::uint32_t thread = 0; thread < active; ++thread) body(thread);
+    }
+    template <class Body>
+    static void each_thread_on_registers(std::uint32_t active, Body& body) {
+        each_thread(active, body);
+    }
+    template <class Kernel, class Block>
+    static void run_block(Kernel& kernel, const Block& block) {
+        kernel(block);
+    }
+    static void own_register(std::uint32_t /*thread*/) {}
+};
+
+/// Memory of a device.
+template <class T>
+struct WatchedMemory {
+    using Pointer = std::unique_ptr<T[]>;
+    static Pointer allocate(Watch*, std::size_t count, const char* /*name*/, BufferUse) {
+        return Pointer(new T[count]);
+    }
+    static void host_wrote(Watch*, const T*, std::size_t) {}
+    static void discard(Watch*, const T*, std::size_t, BufferUse) {}
+};
+
+/// Shared memory of a block: on the worker's stack. One cache line longer than it needs: see
+/// PerThread.
+template <class T, std::uint32_t Count>
+struct WatchedShared {
+    explicit WatchedShared(const char* /*name*/) {}
+    alignas(64) T values[Count + 64 / sizeof(T)];
+};
+
+}  // namespace scotty::emulation
+
+#endif

@@ -1,0 +1,332 @@
+#include "emulation/host/traversal.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "emulation/kernels/intersect.h"
+#include "emulation/kernels/intersect_root.h"
+#include "emulation/kernels/intersect_subtrees.h"
+#include "emulation/kernels/merge_intersections.h"
+#include "emulation/kernels/publish_minimum.h"
+#include "emulation/kernels/scan_counts.h"
+
+namespace scotty::emulation {
+
+using reference::buffer_view;
+using reference::EarlyOut;
+using reference::HitMode;
+using reference::StageKind;
+using reference::StageView;
+
+namespace {
+
+std::uint32_t side_of_grid(std::uint32_t blocks) {
+    auto side = static_cast<std::uint32_t>(std::ceil(std::sqrt(static_cast<double>(blocks))));
+    return std::max(1u, side);
+}
+
+}  // namespace
+
+Traversal::Traversal(const reference::Scene& scene, const reference::WideBvh& bvh,
+                     const reference::PipelineParameters& parameters, Device& device,
+                     LaunchLog& log, const TraversalLimits& limits)
+    : scene_(scene),
+      bvh_(bvh),
+      parameters_(parameters),
+      device_(device),
+      log_(log),
+      limits_(limits),
+      parent_positions_(bvh.node_count(), 0),
+      hit_capacity_(parameters.hit_capacity) {
+    queue_overflow_.resize(1);
+    hits_needed_.resize(1);
+    for (std::uint32_t level = 1; level < bvh.level_count(); ++level) {
+        for (std::uint32_t id = bvh.level_begins[level]; id < bvh.level_begins[level + 1]; ++id) {
+            parent_positions_[id] = bvh.parents[id] - bvh.level_begins[level - 1];
+        }
+    }
+}
+
+void Traversal::run(std::span<const reference::Ray> rays, TraversalKind kind, StagePlace place,
+                    std::span<reference::Hit> merged) {
+    do {
+        reset(rays, kind);
+        reset_hits(place);
+        run_levels(place);
+    } while (grow_hits(place));
+    merge(place, merged);
+}
+
+void Traversal::reset(std::span<const reference::Ray> rays, TraversalKind kind) {
+    rays_ = rays;
+    kind_ = kind;
+    entries_ = rays.size();
+    queue_overflow_.fill(0);
+    hits_needed_.fill(0);
+    const auto count = static_cast<std::uint32_t>(rays.size());
+    node_counts_.resize(1);
+    node_counts_.fill(count);
+    queue_offsets_.resize(2);
+    queue_offsets_.generate([&](std::size_t i) { return i == 0 ? 0 : count; });
+    if (parameters_.early_out != EarlyOut::off) {
+        minimum_.resize(rays.size());
+        // Dead rays included: their t_max of -1 culls them at the root.
+        const auto t_max = [&](std::size_t ray) { return rays[ray].t_max; };
+        minimum_.generate(t_max);
+        if (parameters_.early_out == EarlyOut::level) {
+            lowered_.resize(rays.size());
+            lowered_.generate(t_max);
+        }
+    }
+}
+
+void Traversal::reset_hits(const StagePlace& place) {
+    const std::uint64_t rays = rays_.size();
+    if (parameters_.hit_mode == HitMode::packed) {
+        packed_.resize(rays);
+        packed_.fill(kNoPackedHit);
+        return;
+    }
+    // A capacity that has grown for few rays may be too much for many.
+    if (rays * hit_capacity_ > limits_.hit_slots) hit_capacity_ = parameters_.hit_capacity;
+    if (rays * hit_capacity_ > limits_.hit_slots) {
+        throw reference::Error::bad_input(
+            place.name(StageKind::merge_intersections),
+            fmt::format("{} rays with {} hit slots each are more than {} slots; trace fewer rays "
+                        "at once (--batch-rays, now {}), or lower --hit-capacity",
+                        rays, hit_capacity_, limits_.hit_slots, parameters_.batch_rays));
+    }
+    hit_counts_.resize(rays);
+    hit_counts_.fill(0);
+    candidates_.resize(rays * hit_capacity_);
+    candidates_.discard();
+}
+
+void Traversal::run_levels(StagePlace place) {
+    for (std::uint32_t level = 0; level < bvh_.level_count() && entries_ > 0; ++level) {
+        const StagePlace here = place.at_level(level);
+        scan(here);
+        intersect_level(here);
+        check_queues(here);
+        if (parameters_.early_out == EarlyOut::level) publish_minimum(here);
+        std::swap(node_counts_, child_counts_);
+        std::swap(queue_offsets_, child_offsets_);
+        std::swap(queue_, child_queue_);
+        entries_ = std::accumulate(node_counts_.view().begin(), node_counts_.view().end(),
+                                   std::uint64_t{0});
+    }
+}
+
+void Traversal::scan(const StagePlace& place) {
+    const std::uint32_t nodes = level_nodes(place.level);
+    const std::uint32_t children = level_nodes(place.level + 1);
+    const std::uint64_t most = entries_ * static_cast<std::uint64_t>(bvh_.width);
+    if (most > limits_.queue_entries) {
+        throw reference::Error::bad_input(
+            place.name(StageKind::scan_counts),
+            fmt::format("{} queue entries in {} nodes may need {} slots in the next level, more "
+                        "than {}; trace fewer rays at once (--batch-rays, now {})",
+                        entries_, nodes, most, limits_.queue_entries, parameters_.batch_rays));
+    }
+    block_offsets_.resize(nodes + 1);
+    child_offsets_.resize(children + 1);
+    block_offsets_.discard();
+    child_offsets_.discard();
+    const ScanView view{
+        nodes,
+        node_counts_.data(),
+        children,
+        children == 0 ? nullptr : parent_positions_.data() + bvh_.level_begins[place.level + 1],
+        static_cast<std::uint32_t>(parameters_.rays_per_block),
+        block_offsets_.data(),
+        child_offsets_.data()};
+    log_.timed(StageKind::scan_counts, place, 1, nodes, [&] {
+        device_.launch(1, kScanThreads, [&](const Block& block) { scan_counts(block, view); });
+    });
+    if (log_.wants(StageKind::scan_counts)) {
+        StageView stage = log_.stage(StageKind::scan_counts, place, 1, kScanThreads);
+        stage.inputs = {buffer_view("node_counts", node_counts_.view(), "queue length by node")};
+        stage.outputs = {
+            buffer_view("block_offsets", block_offsets_.view(), "first block by node"),
+            buffer_view("child_offsets", child_offsets_.view(), "first queue slot by child node")};
+        log_.show(stage);
+    }
+}
+
+void Traversal::intersect_level(const StagePlace& place) {
+    const std::uint32_t nodes = level_nodes(place.level);
+    const std::uint32_t children = level_nodes(place.level + 1);
+    child_counts_.resize(children);
+    child_counts_.fill(0);
+    child_queue_.resize(child_offsets_[children]);
+    child_queue_.discard();
+
+    const bool strided = parameters_.block_order == reference::BlockOrder::strided;
+    const std::uint32_t total = block_offsets_[nodes];
+    const std::uint32_t side = strided && place.level > 0 ? side_of_grid(total) : 0;
+    const std::uint32_t blocks = side == 0 ? total : side * side;
+    const StageKind kind = place.level == 0 ? StageKind::intersect_root : StageKind::intersect;
+    log_.timed(kind, place, blocks, entries_, [&] {
+        switch (bvh_.width) {
+            case 2:
+                launch_level<2>(place.level, blocks, side);
+                break;
+            case 4:
+                launch_level<4>(place.level, blocks, side);
+                break;
+            case 8:
+                launch_level<8>(place.level, blocks, side);
+                break;
+            default:
+                launch_level<16>(place.level, blocks, side);
+                break;
+        }
+    });
+    if (log_.wants(kind)) show_level(place, kind, blocks);
+}
+
+template <int Width>
+void Traversal::launch_level(std::uint32_t level, std::uint32_t blocks, std::uint32_t grid_side) {
+    const reference::WideBvhView<Width> bvh = reference::view_of<Width>(bvh_);
+    const auto threads = static_cast<std::uint32_t>(parameters_.rays_per_block);
+    const LevelView queues = level_view(level);
+    const HitView hits = hit_view();
+    const MinimumView minimum = minimum_view();
+    const auto ray_count = static_cast<std::uint32_t>(rays_.size());
+    const bool subtrees = bvh_.is_level_of_subtrees(level);
+    device_.launch(blocks, threads, [&](const Block& block) {
+        if (subtrees) {
+            intersect_subtrees(block, bvh, rays_.data(), queues, hits, minimum, grid_side);
+        } else if (level == 0) {
+            intersect_root(block, bvh, rays_.data(), ray_count, queues, minimum);
+        } else {
+            intersect(block, bvh, rays_.data(), queues, hits, minimum, grid_side);
+        }
+    });
+}
+
+void Traversal::check_queues(const StagePlace& place) {
+    if (queue_overflow_[0] == 0) return;
+    const std::uint32_t node = queue_overflow_[0] - 1;
+    const std::uint32_t child = node - bvh_.level_begins[place.level + 1];
+    throw reference::Error::internal(
+        fmt::format("{}: the queue of node {} has {} slots, but {} rays were pushed to it",
+                    place.name(place.level == 0 ? StageKind::intersect_root : StageKind::intersect),
+                    node, child_offsets_[child + 1] - child_offsets_[child], child_counts_[child]));
+}
+
+void Traversal::publish_minimum(const StagePlace& place) {
+    const auto count = static_cast<std::uint32_t>(rays_.size());
+    log_.timed(StageKind::publish_minimum, place, (count + 255) / 256, count, [&] {
+        device_.launch_per_item(count, [&](std::uint32_t ray) {
+            emulation::publish_minimum(ray, lowered_.data(), minimum_.data());
+        });
+    });
+    if (log_.wants(StageKind::publish_minimum)) {
+        StageView stage = log_.stage(StageKind::publish_minimum, place, (count + 255) / 256, 256);
+        stage.inputs = {buffer_view("lowered", lowered_.view(), "nearest distance found by ray")};
+        stage.outputs = {
+            buffer_view("minimum", minimum_.view(), "nearest distance that the next level reads")};
+        log_.show(stage);
+    }
+}
+
+bool Traversal::grow_hits(const StagePlace& place) {
+    const std::uint32_t needed = hits_needed_[0];
+    if (needed == 0) return false;
+    const std::uint32_t before = hit_capacity_;
+    const std::uint32_t grown = std::max(needed, 2 * before);
+    const std::string stage = place.name(StageKind::merge_intersections);
+    if (std::uint64_t{grown} * rays_.size() > limits_.hit_slots) {
+        throw reference::Error::bad_input(
+            stage,
+            fmt::format("a ray has {} hits, but {} rays with {} slots each are more than "
+                        "{} slots; trace fewer rays at once (--batch-rays, now {}), or "
+                        "use --early-out level or --hit-mode packed",
+                        needed, rays_.size(), grown, limits_.hit_slots, parameters_.batch_rays));
+    }
+    hit_capacity_ = grown;
+    log_.retry(stage, fmt::format("a ray has {} hits, the buffer had {} slots", needed, before));
+    return true;
+}
+
+void Traversal::merge(const StagePlace& place, std::span<reference::Hit> merged) {
+    const reference::SceneView scene = reference::view_of(scene_);
+    const HitView hits = hit_view();
+    const auto count = static_cast<std::uint32_t>(rays_.size());
+    log_.timed(StageKind::merge_intersections, place, (count + 255) / 256, count, [&] {
+        device_.launch_per_item(count, [&](std::uint32_t ray) {
+            merge_intersections(ray, scene, rays_.data(), hits, merged.data());
+        });
+    });
+    if (log_.wants(StageKind::merge_intersections)) {
+        StageView stage =
+            log_.stage(StageKind::merge_intersections, place, (count + 255) / 256, 256);
+        stage.inputs = {buffer_view("rays", rays_, "origin, t_min, direction, t_max")};
+        show_hits(stage, true);
+        stage.outputs = {buffer_view("merged", std::span<const reference::Hit>(merged),
+                                     "closest hit: t, primitive, u, v")};
+        log_.show(stage);
+    }
+}
+
+void Traversal::show_hits(StageView& stage, bool as_input) const {
+    auto& buffers = as_input ? stage.inputs : stage.outputs;
+    if (parameters_.hit_mode == HitMode::packed) {
+        buffers.push_back(buffer_view("packed_hits", packed_.view(), "t bits << 32 | primitive"));
+        return;
+    }
+    buffers.push_back(buffer_view("hit_counts", hit_counts_.view(), "hits gathered by ray"));
+    reference::BufferView candidates = buffer_view("hits", candidates_.view(), "t, primitive");
+    candidates.shape = {rays_.size(), hit_capacity_, 2};
+    buffers.push_back(candidates);
+}
+
+void Traversal::show_level(const StagePlace& place, StageKind kind, std::uint32_t blocks) {
+    StageView stage =
+        log_.stage(kind, place, blocks, static_cast<std::uint32_t>(parameters_.rays_per_block));
+    stage.inputs = {
+        buffer_view("rays", rays_, "origin, t_min, direction, t_max"),
+        buffer_view("node_counts", node_counts_.view(), "queue length by node"),
+        buffer_view("queue_offsets", queue_offsets_.view(), "first queue slot by node"),
+        buffer_view("block_offsets", block_offsets_.view(), "first block by node"),
+        buffer_view("child_offsets", child_offsets_.view(), "first queue slot by child node")};
+    if (place.level > 0) stage.inputs.push_back(buffer_view("queue", queue_.view(), "ray ids"));
+    if (parameters_.early_out != EarlyOut::off) {
+        stage.inputs.push_back(
+            buffer_view("minimum", minimum_.view(), "nearest distance that culls"));
+    }
+    stage.outputs = {buffer_view("child_counts", child_counts_.view(), "queue length by child"),
+                     buffer_view("child_queue", child_queue_.view(), "ray ids")};
+    show_hits(stage, false);
+    log_.show(stage);
+}
+
+LevelView Traversal::level_view(std::uint32_t level) {
+    return {bvh_.level_begins[level], level_nodes(level),    bvh_.level_begins[level + 1],
+            node_counts_.data(),      queue_offsets_.data(), level == 0 ? nullptr : queue_.data(),
+            block_offsets_.data(),    child_counts_.data(),  child_offsets_.data(),
+            child_queue_.data(),      queue_overflow_.data()};
+}
+
+HitView Traversal::hit_view() {
+    return {parameters_.hit_mode, hit_capacity_,  hit_counts_.data(),
+            candidates_.data(),   packed_.data(), hits_needed_.data()};
+}
+
+MinimumView Traversal::minimum_view() {
+    return {parameters_.early_out, kind_ == TraversalKind::any, minimum_.data(),
+            parameters_.early_out == EarlyOut::level ? lowered_.data() : minimum_.data()};
+}
+
+std::size_t Traversal::device_bytes() const {
+    return node_counts_.bytes() + child_counts_.bytes() + queue_offsets_.bytes() +
+           child_offsets_.bytes() + block_offsets_.bytes() + queue_.bytes() + child_queue_.bytes() +
+           hit_counts_.bytes() + candidates_.bytes() + packed_.bytes() + minimum_.bytes() +
+           lowered_.bytes();
+}
+
+}  // namespace scotty::emulation

@@ -1,0 +1,24 @@
+/// Kernel: Gaussian blur, 5 x 5, standard deviation one pixel, normalised; edges are extended.
+#pragma once
+
+#include <cstdint>
+
+#include "emulation/kernels/filter_window.h"
+#include "reference/numerics/exponential.h"
+
+namespace scotty::emulation {
+
+inline void filter_gaussian(std::uint32_t pixel, const FilterView& view) {
+    reference::Vec3 sum(0.0f, 0.0f, 0.0f);
+    float weights = 0.0f;
+    for (int dy = -2; dy <= 2; ++dy) {
+        for (int dx = -2; dx <= 2; ++dx) {
+            const float weight = reference::exp_minus(0.5f * static_cast<float>(dx * dx + dy * dy));
+            sum += pixel_at(view, pixel, dx, dy) * weight;
+            weights += weight;
+        }
+    }
+    view.filtered[pixel] = sum / weights;
+}
+
+}  // namespace scotty::emulation

@@ -1,0 +1,83 @@
+/// Device memory that frees itself; grows, never shrinks, and is not initialised.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gpu/host/cuda_error.h"
+#include "gpu/kernels/dialect.h"
+
+namespace SCOTTY_DEVICE_NAMESPACE {
+
+/// Counts bytes against an optional limit, so that running out can be tried on any device.
+struct MemoryBudget {
+    std::size_t limit = 0;  ///< 0: what the device has
+    std::size_t used = 0;
+};
+
+template <class T>
+class DeviceMemory {
+ public:
+    explicit DeviceMemory(MemoryBudget& budget) : budget_(&budget) {}
+    ~DeviceMemory() { release(); }
+    DeviceMemory(const DeviceMemory&) = delete;
+    DeviceMemory& operator=(const DeviceMemory&) = delete;
+    friend void swap(DeviceMemory& a, DeviceMemory& b) noexcept {
+        std::swap(a.budget_, b.budget_);
+        std::swap(a.memory_, b.memory_);
+        std::swap(a.count_, b.count_);
+        std::swap(a.capacity_, b.capacity_);
+    }
+
+    /// At least `count` elements; the content is lost when it has to grow.
+    void resize(std::size_t count, const char* name) {
+        count_ = count;
+        if (count <= capacity_) return;
+        release();
+        const std::size_t bytes = count * sizeof(T);
+        const std::string what =
+            std::string("allocating ") + std::to_string(bytes) + " bytes for " + name;
+        if (budget_->limit != 0 && budget_->used + bytes > budget_->limit) {
+            throw OutOfDeviceMemory(what + ": over the limit of " + std::to_string(budget_->limit) +
+                                    " bytes");
+        }
+        check(cudaMalloc(reinterpret_cast<void**>(&memory_), bytes), what);
+        label_memory(memory_, name);
+        capacity_ = count;
+        budget_->used += bytes;
+    }
+    void upload(std::span<const T> host, const char* name) {
+        resize(host.size(), name);
+        if (host.empty()) return;
+        check(cudaMemcpy(memory_, host.data(), host.size_bytes(), cudaMemcpyHostToDevice), name);
+    }
+    void release() {
+        if (memory_ != nullptr) cudaFree(memory_);
+        budget_->used -= capacity_ * sizeof(T);
+        memory_ = nullptr;
+        capacity_ = 0;
+    }
+
+    T* data() const { return memory_; }
+    std::size_t size() const { return count_; }
+
+ private:
+    MemoryBudget* budget_;
+    T* memory_ = nullptr;
+    std::size_t count_ = 0;
+    std::size_t capacity_ = 0;
+};
+
+template <class T>
+std::vector<T> download(const T* device, std::size_t count, const char* name) {
+    std::vector<T> host(count);
+    check(cudaMemcpy(host.data(), device, count * sizeof(T), cudaMemcpyDeviceToHost), name);
+    return host;
+}
+
+}  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -1,0 +1,332 @@
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "gpu/host/launch_subtrees.h"
+#include "gpu/host/traversal.h"
+#include "gpu/kernels/clear_traversal.h"
+#include "gpu/kernels/dialect.h"
+#include "gpu/kernels/intersect.h"
+#include "gpu/kernels/intersect_root.h"
+#include "gpu/kernels/merge_intersections.h"
+#include "gpu/kernels/publish_minimum.h"
+#include "gpu/kernels/scan_counts.h"
+
+namespace SCOTTY_DEVICE_NAMESPACE {
+
+using reference::EarlyOut;
+using reference::HitMode;
+using reference::StageKind;
+using reference::StagePlace;
+
+namespace {
+
+/// How many blocks of a kernel the device holds at once.
+template <class Kernel>
+std::uint32_t resident_blocks(Kernel kernel, int rays_per_block) {
+    int device = 0;
+    int multiprocessors = 0;
+    int a_multiprocessor = 0;
+    check(cudaGetDevice(&device), "asking for the device");
+    check(cudaDeviceGetAttribute(&multiprocessors, cudaDevAttrMultiProcessorCount, device),
+          "asking for multiprocessors");
+    check(
+        cudaOccupancyMaxActiveBlocksPerMultiprocessor(&a_multiprocessor, kernel, rays_per_block, 0),
+        "asking for the occupancy of the level kernel");
+    return static_cast<std::uint32_t>(std::max(1, multiprocessors * a_multiprocessor));
+}
+
+/// Blocks of launches whose work the host does not know, by kernel.
+template <int Width>
+LevelBlocks level_blocks(int rays_per_block) {
+    return {resident_blocks(intersect<Width>, rays_per_block),
+            std::max(resident_blocks(intersect_subtrees_any<Width>, kSubtreeThreads),
+                     resident_blocks(intersect_subtrees_closest<Width>, kSubtreeThreads))};
+}
+
+LevelBlocks level_blocks(int width, int rays_per_block) {
+    switch (width) {
+        case 2:
+            return level_blocks<2>(rays_per_block);
+        case 4:
+            return level_blocks<4>(rays_per_block);
+        case 8:
+            return level_blocks<8>(rays_per_block);
+        default:
+            return level_blocks<16>(rays_per_block);
+    }
+}
+
+StageKind level_stage(const StagePlace& place) {
+    return place.level == 0 ? StageKind::intersect_root : StageKind::intersect;
+}
+
+}  // namespace
+
+Traversal::Traversal(const DeviceScene& scene, const reference::PipelineParameters& parameters,
+                     MemoryBudget& budget, LaunchLog& log, cudaStream_t stream)
+    : scene_(scene),
+      parameters_(parameters),
+      log_(log),
+      stream_(stream),
+      level_blocks_(level_blocks(scene.width(), parameters.rays_per_block)),
+      hit_capacity_(parameters.hit_capacity),
+      node_counts_(budget),
+      queue_offsets_(budget),
+      block_offsets_(budget),
+      scans_(budget),
+      queue_(budget),
+      child_queue_(budget),
+      hit_counts_(budget),
+      candidates_(budget),
+      packed_(budget),
+      minimum_(budget),
+      lowered_(budget),
+      ray_ticket_(budget),
+      faults_(budget) {
+    scan_begins_.push_back(0);
+    for (std::uint32_t level = 0; level < scene.level_count(); ++level) {
+        scan_begins_.push_back(scan_begins_.back() + 1 + scan_blocks_of(level));
+    }
+}
+
+std::uint32_t Traversal::scan_blocks_of(std::uint32_t level) const {
+    return scan_blocks(scene_.level_nodes(level), scene_.level_nodes(level + 1));
+}
+
+void Traversal::release() {
+    for (auto* buffer : {&queue_, &child_queue_, &hit_counts_}) buffer->release();
+    candidates_.release();
+    packed_.release();
+    minimum_.release();
+    lowered_.release();
+}
+
+void Traversal::run(const TracedRays& traced, const StagePlace& place, const FinalHits& hits) {
+    do {
+        enqueue(traced, place, hits);
+    } while (!is_one_launch() && grow(place));
+}
+
+void Traversal::enqueue(const TracedRays& traced, const StagePlace& place, const FinalHits& hits) {
+    rays_ = traced.rays;
+    count_ = traced.count;
+    kind_ = traced.kind;
+    coherent_ = traced.coherent;
+    final_hits_ = is_one_launch() ? hits : FinalHits{};
+    prepare_levels();
+    if (is_one_launch()) {
+        launch_kernel(place.at_level(0), level_view(0));
+        return;
+    }
+    prepare_rays(count_);
+    clear(place);
+    for (std::uint32_t level = 0; level < scene_.level_count(); ++level) {
+        const StagePlace here = place.at_level(level);
+        if (log_.observed()) {
+            // The emulator stops at the first empty level; show no more than it does.
+            const LevelView view = level_view(level);
+            const auto counts = download(view.node_counts, view.node_count, "queue lengths");
+            if (std::all_of(counts.begin(), counts.end(), [](auto c) { return c == 0; })) break;
+        }
+        if (!launch_level(here)) return;  // run() grows what was too small
+        if (parameters_.early_out == EarlyOut::level) launch_publish(here);
+        swap(queue_, child_queue_);
+    }
+    launch_merge(place, hits.merged);
+}
+
+void Traversal::prepare_levels() {
+    const std::size_t nodes = scene_.level_begins().back();
+    const std::size_t offsets = nodes + 2 * scene_.level_count() + 2;
+    node_counts_.resize(nodes, "queue lengths");
+    queue_offsets_.resize(offsets, "queue offsets");
+    block_offsets_.resize(offsets, "block offsets");
+    scans_.resize(scan_begins_.back(), "scan tiles");
+    if (ray_ticket_.size() != 0) return;
+    faults_.resize(1, "fault flags");
+    ray_ticket_.resize(1, "ray ticket");
+    check(cudaMemset(faults_.data(), 0, sizeof(FaultView)), "clearing the fault flags");
+    check(cudaMemset(ray_ticket_.data(), 0, sizeof(RayTicket)), "clearing the ray ticket");
+}
+
+void Traversal::prepare_rays(std::uint32_t count) {
+    queue_capacity_ = std::max(queue_capacity_, 2 * static_cast<std::size_t>(count) *
+                                                    static_cast<std::size_t>(scene_.width()));
+    queue_.resize(queue_capacity_, "ray queues");
+    child_queue_.resize(queue_capacity_, "ray queues");
+    if (parameters_.hit_mode == HitMode::packed) {
+        packed_.resize(count, "packed hits");
+    } else {
+        hit_counts_.resize(count, "hit counts");
+        candidates_.resize(std::size_t{count} * hit_capacity_, "the multi-intersection buffer");
+    }
+    if (culls()) minimum_.resize(count, "minimum distances");
+    if (parameters_.early_out == EarlyOut::level) lowered_.resize(count, "minimum distances");
+}
+
+void Traversal::clear(const StagePlace& place) {
+    discard_slots(candidates_.data(), candidates_.size() * sizeof(reference::HitCandidate));
+    const auto nodes = static_cast<std::uint32_t>(node_counts_.size());
+    const auto scans = static_cast<std::uint32_t>(scans_.size());
+    SCOTTY_LAUNCH(clear_traversal, item_blocks(std::max(nodes, scans)), kItemThreads, stream_,
+                  count_, nodes, node_counts_.data(), scans, scans_.data(), faults_.data());
+    if (const cudaError_t status = cudaGetLastError(); status != cudaSuccess) {
+        check(status, "clearing before " + place.name(StageKind::merge_intersections));
+    }
+}
+
+bool Traversal::launch_level(const StagePlace& place) {
+    const LevelView level = level_view(place.level);
+    const std::uint32_t tiles = scan_blocks_of(place.level);
+    log_.run(StageKind::scan_counts, place, tiles, level.node_count, stream_, [&] {
+        SCOTTY_LAUNCH(scan_counts, tiles, kScanThreads, stream_, level,
+                      static_cast<std::uint32_t>(parameters_.rays_per_block));
+    });
+    if (log_.observed() && overflowed()) return false;
+    if (log_.wants(StageKind::scan_counts)) show_scan(place, level);
+    discard_slots(child_queue_.data(), child_queue_.size() * 4);
+    launch_kernel(place, level);
+    if (log_.observed() && overflowed()) return false;
+    const StageKind kind = level_stage(place);
+    if (log_.wants(kind)) show_level(place, level);
+    return true;
+}
+
+void Traversal::launch_kernel(const StagePlace& place, const LevelView& level) {
+    log_.run(level_stage(place), place, level_blocks_.queues, place.level == 0 ? count_ : 0,
+             stream_, [&] {
+                 switch (scene_.width()) {
+                     case 2:
+                         launch_intersect<2>(place, level);
+                         break;
+                     case 4:
+                         launch_intersect<4>(place, level);
+                         break;
+                     case 8:
+                         launch_intersect<8>(place, level);
+                         break;
+                     default:
+                         launch_intersect<16>(place, level);
+                         break;
+                 }
+             });
+}
+
+template <int Width>
+void Traversal::launch_intersect(const StagePlace& place, const LevelView& level) {
+    const auto threads = static_cast<std::uint32_t>(parameters_.rays_per_block);
+    const bool strided = parameters_.block_order == reference::BlockOrder::strided;
+    if (scene_.is_level_of_subtrees(place.level)) {
+        launch_subtrees<Width>(
+            {scene_.bvh<Width>(), rays_, level, hit_view(), minimum_view()}, level_blocks_.subtrees,
+            {count_, threads, strided, coherent_, scene_.root()}, final_hits_, stream_);
+    } else if (place.level == 0) {
+        const std::uint32_t blocks = (count_ + threads - 1) / threads;
+        SCOTTY_LAUNCH(intersect_root<Width>, std::min(blocks, level_blocks_.queues), threads,
+                      stream_, scene_.bvh<Width>(), rays_, count_, level, hit_view(),
+                      minimum_view());
+    } else {
+        SCOTTY_LAUNCH(intersect<Width>, level_blocks_.queues, threads, stream_, scene_.bvh<Width>(),
+                      rays_, level, hit_view(), minimum_view(), strided);
+    }
+}
+
+void Traversal::launch_publish(const StagePlace& place) {
+    log_.run(StageKind::publish_minimum, place, item_blocks(count_), count_, stream_, [&] {
+        SCOTTY_LAUNCH(publish_minimum, item_blocks(count_), kItemThreads, stream_, count_,
+                      lowered_.data(), minimum_.data());
+    });
+    if (log_.wants(StageKind::publish_minimum)) show_publish(place);
+}
+
+void Traversal::launch_merge(const StagePlace& place, reference::Hit* merged) {
+    log_.run(StageKind::merge_intersections, place, item_blocks(count_), count_, stream_, [&] {
+        SCOTTY_LAUNCH(merge_intersections, item_blocks(count_), kItemThreads, stream_, count_,
+                      scene_.view(), rays_, hit_view(), merged);
+    });
+    if (log_.wants(StageKind::merge_intersections)) show_merge(place, merged);
+}
+
+bool Traversal::overflowed() const {
+    const FaultView faults = download(faults_.data(), 1, "fault flags").front();
+    return faults.hits_needed != 0 || faults.queue_needed != 0 || faults.node_overflow != 0;
+}
+
+reference::Error Traversal::overflow_of(std::uint32_t node, const StagePlace& place) const {
+    std::uint32_t above = 0;
+    while (scene_.level_begins()[above + 2] <= node) ++above;
+    const LevelView level = level_view(above);
+    const std::uint32_t child = node - level.first_child_node;
+    const auto region = download(level.child_offsets + child, 2, "queue offsets");
+    const auto pushed = download(level.child_counts + child, 1, "queue lengths");
+    const StageKind kind = above == 0 ? StageKind::intersect_root : StageKind::intersect;
+    return reference::Error::internal(place.at_level(above).name(kind) + ": the queue of node " +
+                                      std::to_string(node) + " has " +
+                                      std::to_string(region[1] - region[0]) + " slots, but " +
+                                      std::to_string(pushed[0]) + " rays were pushed to it");
+}
+
+bool Traversal::grow(const StagePlace& place) {
+    FaultView faults{};
+    check(cudaMemcpyAsync(&faults, faults_.data(), sizeof(faults), cudaMemcpyDeviceToHost, stream_),
+          "reading the fault flags of " + place.name(StageKind::merge_intersections));
+    check(cudaStreamSynchronize(stream_), "running " + place.name(StageKind::merge_intersections));
+    const std::string stage = place.name(StageKind::merge_intersections);
+    // First: what followed an overflow means nothing.
+    if (faults.node_overflow != 0) throw overflow_of(faults.node_overflow - 1, place);
+    if (faults.queue_needed != 0) {
+        const std::string sizes = std::to_string(faults.queue_needed) + " entries, capacity " +
+                                  std::to_string(queue_capacity_);
+        queue_capacity_ = std::max<std::size_t>(faults.queue_needed, 2 * queue_capacity_);
+        log_.retry(stage, "a level's queues need " + sizes);
+        return true;
+    }
+    if (faults.hits_needed != 0) {
+        const std::string sizes = std::to_string(faults.hits_needed) + " hits, the buffer had " +
+                                  std::to_string(hit_capacity_) + " slots";
+        hit_capacity_ = std::max(faults.hits_needed, 2 * hit_capacity_);
+        log_.retry(stage, "a ray has " + sizes);
+        return true;
+    }
+    return false;
+}
+
+LevelView Traversal::level_view(std::uint32_t level) const {
+    const auto& begins = scene_.level_begins();
+    const std::uint32_t first = begins[level];
+    const std::uint32_t next = begins[level + 1];
+    return {first,
+            scene_.level_nodes(level),
+            next,
+            scene_.level_nodes(level + 1),
+            static_cast<std::uint32_t>(std::min<std::size_t>(queue_capacity_, 0xffffffffu)),
+            scene_.parent_positions() + next,
+            node_counts_.data() + first,
+            queue_offsets_.data() + first + level,
+            level == 0 ? nullptr : queue_.data(),
+            block_offsets_.data() + first + level,
+            node_counts_.data() + next,
+            queue_offsets_.data() + next + level + 1,
+            child_queue_.data(),
+            reinterpret_cast<std::uint32_t*>(scans_.data() + scan_begins_[level]),
+            scans_.data() + scan_begins_[level] + 1,
+            faults_.data(),
+            ray_ticket_.data()};
+}
+
+HitView Traversal::hit_view() const {
+    return {parameters_.hit_mode == HitMode::packed ? 1u : 0u,
+            hit_capacity_,
+            hit_counts_.data(),
+            candidates_.data(),
+            packed_.data(),
+            faults_.data()};
+}
+
+MinimumView Traversal::minimum_view() const {
+    return {culls() ? 1u : 0u, kind_ == reference::TraversalKind::any ? 1u : 0u, minimum_.data(),
+            parameters_.early_out == EarlyOut::level ? lowered_.data() : minimum_.data()};
+}
+
+}  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -1,0 +1,32 @@
+/// Kernel: as many threads as pixels generate all rays of this batch. A block's threads share its
+/// pixels' samples, so that those side by side write side by side.
+#pragma once
+
+#include "gpu/kernels/dialect.h"
+#include "gpu/kernels/views.h"
+#include "reference/numerics/path.h"
+
+namespace SCOTTY_DEVICE_NAMESPACE {
+
+SCOTTY_KERNEL(primary_rays)
+(BatchView batch, reference::Camera camera, reference::PathParameters parameters, PathView paths) {
+    const std::uint32_t first = block_index() * block_size();
+    const std::uint32_t left = batch.pixels - first;
+    const std::uint32_t pixels = left < block_size() ? left : block_size();
+    for (std::uint32_t i = thread_index(); i < pixels * batch.samples; i += block_size()) {
+        const std::uint32_t ray_id = first * batch.samples + i;
+        const std::uint32_t pixel = batch.first_pixel + first + i / batch.samples;
+        const std::uint32_t sample = batch.first_sample + i % batch.samples;
+        paths.rays[ray_id] = reference::primary_ray(camera, parameters, pixel, sample);
+        paths.throughput[ray_id] = reference::Vec3(1.0f, 1.0f, 1.0f);
+        paths.radiance[ray_id] = reference::Vec3(0.0f, 0.0f, 0.0f);
+        paths.potential[ray_id] = reference::Vec3(0.0f, 0.0f, 0.0f);
+        paths.pixel[ray_id] = pixel;
+        paths.sample[ray_id] = sample;
+        paths.depth[ray_id] = 0;
+        paths.flags[ray_id] = reference::kPathAlive;
+    }
+    SCOTTY_RETURN;
+}
+
+}  // namespace SCOTTY_DEVICE_NAMESPACE

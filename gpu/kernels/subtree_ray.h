@@ -1,0 +1,224 @@
+/// A ray on its way through a subtree, alone and depth first.
+///
+/// What it does, in which order and with which bits is reference/numerics/closest_in_subtree.h's
+/// SubtreeWalk; how is the device's. Comparisons, selections and integer sums share a pipe with
+/// half the rate of multiply-adds, and of an ordinary walk's instructions most are of that kind.
+/// So: planes are selected by address, minima and maxima are taken of three at once, a child that
+/// waits is the key it was sorted by and its parent, and is looked up when its turn comes.
+#pragma once
+
+#include "gpu/kernels/dialect.h"
+#include "gpu/kernels/subtree_nodes.h"
+#include "gpu/kernels/views.h"
+#include "reference/numerics/closest_in_subtree.h"
+#include "reference/numerics/intersect_triangle.h"
+
+namespace SCOTTY_DEVICE_NAMESPACE {
+
+template <int Width>
+struct SubtreeRay {
+    /// Planes are loaded in pieces of as many children.
+    static constexpr int kGroup = Width < 4 ? Width : 4;
+    using Planes = reference::ChildPlanes<kGroup>;
+
+    reference::RaySlabs slabs;
+    const Planes* near_x;  ///< of node 0: the planes that the ray enters by
+    const Planes* near_y;
+    const Planes* near_z;
+    reference::Vec3 origin;  ///< axes swapped, as for the shear
+    reference::RayShear shear;
+    float t_min;
+    float t_max;
+    reference::Hit best;    ///< t alone where there is none yet: what culls
+    std::uint32_t at;       ///< where the ray is; kNone: at its end
+    std::uint32_t waiting;  ///< entries of the ray's SubtreeStack
+};
+
+/// Children that wait. Not in SubtreeRay: what is in one object with an array that is indexed at
+/// run time is kept in memory with it.
+struct SubtreeStack {
+    struct Child {
+        std::uint32_t key;  ///< reference::visit_key()
+        std::uint32_t parent;
+    };
+    Child children[reference::kSubtreeStack];
+};
+
+template <int Width>
+SCOTTY_DEVICE const typename SubtreeRay<Width>::Planes* planes_entered(const BvhView<Width>& bvh,
+                                                                       int axis, float inverse) {
+    const auto* low =
+        reinterpret_cast<const typename SubtreeRay<Width>::Planes*>(&bvh.subtrees->planes[axis][0]);
+    return inverse > 0.0f ? low : low + Width / SubtreeRay<Width>::kGroup;
+}
+
+/// Where a ray begins: a node of the last level that has queues.
+struct SubtreeRoot {
+    std::uint32_t at;       ///< as SubtreeRay::at
+    float low[3], high[3];  ///< its box; of a leaf anything
+};
+
+/// `ref`: as the node's node_refs has it.
+template <int Width>
+SCOTTY_DEVICE SubtreeRoot subtree_root(const BvhView<Width>& bvh, std::uint32_t ref) {
+    if (reference::is_leaf(ref)) {
+        return {reference::kLeafBit | bvh.leaves[reference::ref_index(ref)].first, {}, {}};
+    }
+    const reference::WideNode<Width>& node = bvh.inner[ref];
+    return {ref - bvh.first_subtree,
+            {node.low[0], node.low[1], node.low[2]},
+            {node.high[0], node.high[1], node.high[2]}};
+}
+
+template <int Width>
+SCOTTY_DEVICE void begin_subtree(SubtreeRay<Width>& walk, const BvhView<Width>& bvh,
+                                 const SubtreeRoot& root, const reference::Ray& ray, float limit) {
+    walk.slabs = reference::slabs_below(root.low, root.high, ray);
+    walk.near_x = planes_entered(bvh, 0, walk.slabs.inverse.x);
+    walk.near_y = planes_entered(bvh, 1, walk.slabs.inverse.y);
+    walk.near_z = planes_entered(bvh, 2, walk.slabs.inverse.z);
+    walk.shear = reference::ray_shear(ray.direction);
+    walk.origin = reference::swap_axes(ray.origin, walk.shear.kz);
+    walk.t_min = reference::first_entry(ray);
+    walk.t_max = ray.t_max;
+    walk.best = reference::no_hit();
+    walk.best.t = limit < ray.t_max ? limit : ray.t_max;
+    walk.waiting = 0;
+    walk.at = reference::is_dead(ray) ? reference::kNone : root.at;
+}
+
+/// The planes on the other side of the same boxes.
+template <int Width, class Planes>
+SCOTTY_DEVICE const Planes* other_side(const Planes* planes) {
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): nodes are aligned so that one bit is the side
+    return reinterpret_cast<const Planes*>(reinterpret_cast<std::uintptr_t>(planes) ^
+                                           (Width * sizeof(float)));
+}
+
+/// Keys of the children that a ray enters, as reference::visits_of() has them.
+///
+/// By their bits as integers the three entries' maximum may be wrong only where all are negative,
+/// which t_min, never less than +0, mends; and the exits' minimum only where one is negative, and
+/// then it is negative too (or -0, which lets the ray into a box behind it where there is no hit).
+template <int Width>
+SCOTTY_DEVICE void children_of(const SubtreeRay<Width>& walk, std::uint32_t (&keys)[Width]) {
+    using Planes = typename SubtreeRay<Width>::Planes;
+    constexpr int kGroup = SubtreeRay<Width>::kGroup;
+    constexpr std::uint32_t kStride = kPlanesInNode * Width / kGroup;
+    const reference::RaySlabs& slabs = walk.slabs;
+    const Planes* const near_x = walk.near_x + static_cast<std::size_t>(walk.at) * kStride;
+    const Planes* const near_y = walk.near_y + static_cast<std::size_t>(walk.at) * kStride;
+    const Planes* const near_z = walk.near_z + static_cast<std::size_t>(walk.at) * kStride;
+    SCOTTY_UNROLL
+    for (int group = 0; group < Width / kGroup; ++group) {
+        const Planes enter_x = load_record(near_x + group);
+        const Planes enter_y = load_record(near_y + group);
+        const Planes enter_z = load_record(near_z + group);
+        const Planes leave_x = load_record(other_side<Width>(near_x) + group);
+        const Planes leave_y = load_record(other_side<Width>(near_y) + group);
+        const Planes leave_z = load_record(other_side<Width>(near_z) + group);
+        SCOTTY_UNROLL
+        for (int i = 0; i < kGroup; ++i) {
+            const float enters = greatest_bits(
+                greatest_bits(fmaf(enter_x.at[i], slabs.inverse.x, slabs.near_offset.x),
+                              fmaf(enter_y.at[i], slabs.inverse.y, slabs.near_offset.y),
+                              fmaf(enter_z.at[i], slabs.inverse.z, slabs.near_offset.z)),
+                walk.t_min);
+            const float leaves =
+                least_bits(least_bits(fmaf(leave_x.at[i], slabs.inverse.x, slabs.far_offset.x),
+                                      fmaf(leave_y.at[i], slabs.inverse.y, slabs.far_offset.y),
+                                      fmaf(leave_z.at[i], slabs.inverse.z, slabs.far_offset.z)),
+                           walk.best.t);
+            const auto child = static_cast<std::uint32_t>(group * kGroup + i);
+            keys[child] = enters <= leaves ? reference::visit_key(enters, child) : reference::kNone;
+        }
+    }
+}
+
+template <int Width>
+SCOTTY_DEVICE std::uint32_t child_ref(const BvhView<Width>& bvh, std::uint32_t parent,
+                                      std::uint32_t key) {
+    return load_record(&bvh.subtrees[parent].child[key & reference::kChildBits]);
+}
+
+/// On to what waits, nearest first, and is not too far by now.
+template <int Width>
+SCOTTY_DEVICE void next_visit(SubtreeRay<Width>& walk, const SubtreeStack& stack,
+                              const BvhView<Width>& bvh) {
+    walk.at = reference::kNone;
+    while (walk.waiting != 0) {
+        const SubtreeStack::Child top = stack.children[--walk.waiting];
+        if (bits_float(top.key & ~reference::kChildBits) > walk.best.t) continue;
+        walk.at = child_ref(bvh, top.parent, top.key);
+        break;
+    }
+}
+
+/// Goes down, nearest child first, until the ray is at a leaf or at its end.
+template <int Width>
+SCOTTY_DEVICE void enter_nodes(SubtreeRay<Width>& walk, SubtreeStack& stack,
+                               const BvhView<Width>& bvh) {
+    while (!reference::is_leaf(walk.at)) {
+        const std::uint32_t here = walk.at;
+        std::uint32_t keys[Width];
+        children_of(walk, keys);
+        reference::sort_visits<Width>(keys);
+        SCOTTY_UNROLL
+        for (int i = Width - 1; i > 0; --i) {
+            if (keys[i] != reference::kNone) stack.children[walk.waiting++] = {keys[i], here};
+        }
+        if (keys[0] != reference::kNone) {
+            walk.at = child_ref(bvh, here, keys[0]);
+        } else {
+            next_visit(walk, stack, bvh);
+        }
+    }
+}
+
+/// Lowers the best hit by one triangle; returns whether it is the last of its leaf.
+template <int Width>
+SCOTTY_DEVICE bool visit_triangle(SubtreeRay<Width>& walk, const TriangleRows& triangle) {
+    using reference::Vec3;
+    const bool x_last = walk.shear.kz == 0;
+    const bool y_last = walk.shear.kz == 1;
+    const TriangleRow x = load_record(&triangle.axis[x_last ? 2 : 0]);
+    const TriangleRow y = load_record(&triangle.axis[y_last ? 2 : 1]);
+    const TriangleRow z = load_record(&triangle.axis[walk.shear.kz]);
+    const bool last = (x.primitive_and_last & kLastBit) != 0;
+    const Vec3 v0(x.v0, y.v0, z.v0);
+    const Vec3 v1(x.v1, y.v1, z.v1);
+    const Vec3 v2(x.v2, y.v2, z.v2);
+    reference::Crossing crossing;
+    if (!reference::crosses(walk.shear, v0 - walk.origin, v1 - walk.origin, v2 - walk.origin,
+                            crossing)) {
+        return last;
+    }
+    reference::Hit hit = reference::no_hit();
+    hit.primitive = x.primitive_and_last & ~kLastBit;
+    if (reference::cut_to_box(crossing, walk.origin,
+                              reference::swap_axes(walk.slabs.inverse, walk.shear.kz),
+                              reference::min_number(reference::min_number(v0, v1), v2),
+                              reference::max_number(reference::max_number(v0, v1), v2), hit) &&
+        walk.t_min <= hit.t && hit.t < walk.t_max &&
+        reference::closer(hit.t, hit.primitive, walk.best.t, walk.best.primitive)) {
+        walk.best = hit;
+    }
+    return last;
+}
+
+/// Until the ray is at an inner node or at its end; with `Any` its first hit ends it.
+template <bool Any, int Width>
+SCOTTY_DEVICE void intersect_leaves(SubtreeRay<Width>& walk, const SubtreeStack& stack,
+                                    const BvhView<Width>& bvh) {
+    while (reference::is_leaf(walk.at) && walk.at != reference::kNone) {
+        const TriangleRows* triangle = bvh.triangles + reference::ref_index(walk.at);
+        while (!visit_triangle(walk, *triangle)) ++triangle;
+        if (Any && reference::is_hit(walk.best)) {
+            walk.at = reference::kNone;
+        } else {
+            next_visit(walk, stack, bvh);
+        }
+    }
+}
+
+}  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -1,0 +1,104 @@
+/// What the CUDA kernels are handed: pointers into device memory, and sizes.
+#pragma once
+
+#include <cstdint>
+
+#include "gpu/kernels/dialect.h"
+#include "gpu/kernels/subtree_nodes.h"
+#include "reference/contract/pipeline_parameters.h"
+#include "reference/contract/records.h"
+
+namespace SCOTTY_DEVICE_NAMESPACE {
+
+constexpr float kDone = -1.0f;  ///< minimum of a ray with its any-hit answer
+constexpr std::uint64_t kNoPackedHit = ~std::uint64_t{0};
+
+template <int Width>
+struct BvhView {
+    /// As far as there are queues, and the roots of the subtrees.
+    const reference::WideNode<Width>* inner;
+    const reference::Leaf* leaves;
+    const TriangleRows* triangles;
+    const std::uint32_t* node_refs;
+    /// From inner node `first_subtree` on; null: none.
+    const SubtreeNode<Width>* subtrees = nullptr;
+    std::uint32_t first_subtree = 0;
+};
+
+struct PathView {
+    reference::Ray* rays;
+    reference::Vec3* throughput;
+    reference::Vec3* radiance;
+    reference::Vec3* potential;
+    std::uint32_t* pixel;
+    std::uint32_t* sample;
+    std::uint32_t* depth;
+    std::uint32_t* flags;
+};
+
+struct BatchView {
+    std::uint32_t first_pixel;
+    std::uint32_t pixels;
+    std::uint32_t first_sample;
+    std::uint32_t samples;
+};
+
+/// What went wrong on the device, read back once per traversal.
+struct FaultView {
+    std::uint32_t hits_needed;    ///< largest hit count that did not fit, 0: all did
+    std::uint32_t queue_needed;   ///< largest queue total that did not fit, 0: all did
+    std::uint32_t node_overflow;  ///< node id + 1 of a child whose region was too small
+};
+
+struct HitView {
+    std::uint32_t packed_mode;
+    std::uint32_t capacity;
+    std::uint32_t* counts;
+    reference::HitCandidate* candidates;
+    std::uint64_t* packed;
+    FaultView* faults;
+};
+
+struct MinimumView {
+    std::uint32_t culls;  ///< 0: early-out off
+    std::uint32_t any_hit;
+    float* minimum;
+    float* lowered;  ///< the same array under `immediate`
+};
+
+/// What the warps of a launch take rays by.
+struct RayTicket {
+    std::uint32_t taken;
+    std::uint32_t warps_ended;
+};
+
+/// One level and the next. Node indices are positions within their level.
+struct LevelView {
+    std::uint32_t first_node;
+    std::uint32_t node_count;
+    std::uint32_t first_child_node;
+    std::uint32_t child_node_count;
+    std::uint32_t queue_capacity;  ///< entries that child_queue has room for
+    const std::uint32_t* parents;  ///< by child: the parent's position in this level
+    const std::uint32_t* node_counts;
+    const std::uint32_t* queue_offsets;
+    const std::uint32_t* queue;
+    std::uint32_t* block_offsets;
+    std::uint32_t* child_counts;
+    std::uint32_t* child_offsets;
+    std::uint32_t* child_queue;
+    // Of scan_counts, zeros before it.
+    std::uint32_t* scan_ticket;
+    std::uint64_t* scan_tiles;
+    FaultView* faults;
+    RayTicket* ray_ticket = nullptr;  ///< of intersect_subtrees, which leaves it as it was: zero
+};
+
+struct FilterView {
+    std::uint32_t width;
+    std::uint32_t height;
+    const reference::Vec3* image;
+    reference::Vec3* filtered;
+};
+
+}  // namespace SCOTTY_DEVICE_NAMESPACE

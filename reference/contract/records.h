@@ -1,0 +1,129 @@
+/// The records that every pipeline agrees on: float32 and uint32, little endian, by ray id.
+///
+/// A queue entry is a 4-byte ray id; everything a ray carries along its path is state indexed by
+/// that id. Layouts are part of the contract: a capture holds these bytes.
+#pragma once
+
+#include <cstdint>
+
+#include "reference/base/host_device.h"
+#include "reference/base/vec3.h"
+
+namespace scotty::reference {
+
+/// "No child", "no primitive", "no node".
+constexpr std::uint32_t kNone = 0xffffffffu;
+
+/// Traversal ray: hits count in the half-open interval [t_min, t_max).
+/// One 32-byte record, so that a gather through shuffled ids is two 16-byte loads.
+struct alignas(16) Ray {
+    Vec3 origin;
+    float t_min;  ///< >= 0
+    Vec3 direction;
+    float t_max;  ///< may be +infinity; t_max < t_min is a dead ray, which hits nothing
+};
+static_assert(sizeof(Ray) == 32, "two 16-byte loads");
+
+/// A ray that no traversal follows.
+SCOTTY_HD Ray dead_ray() { return {Vec3(0.0f, 0.0f, 0.0f), 0.0f, Vec3(0.0f, 0.0f, 1.0f), -1.0f}; }
+SCOTTY_HD bool is_dead(const Ray& ray) { return ray.t_max < ray.t_min; }
+
+/// Closest hit: position = (1 - u - v) v0 + u v1 + v v2.
+struct alignas(16) Hit {
+    float t;                  ///< +infinity where nothing is hit
+    std::uint32_t primitive;  ///< triangle index in the scene, kNone where nothing is hit
+    float u;
+    float v;
+};
+static_assert(sizeof(Hit) == 16, "one 16-byte load");
+
+SCOTTY_HD Hit no_hit() { return {kInfinity, kNone, 0.0f, 0.0f}; }
+SCOTTY_HD bool is_hit(const Hit& hit) { return hit.primitive != kNone; }
+
+/// One entry of a ray's multi-intersection buffer.
+struct HitCandidate {
+    float t;
+    std::uint32_t primitive;
+};
+static_assert(sizeof(HitCandidate) == 8, "one 8-byte store");
+
+/// Inner node of an N-way BVH. Missing children: kNone with an inverted, infinite box.
+template <int Width>
+struct alignas(16) WideNode {
+    float low_x[Width], low_y[Width], low_z[Width];
+    float high_x[Width], high_y[Width], high_z[Width];
+    std::uint32_t child[Width];  ///< node id, kNone where there is none
+    float low[3], high[3];       ///< box of the node itself: what ray_slabs() pads by
+};
+
+/// Leaf of a BVH: a range of WideBvh::triangles.
+struct Leaf {
+    std::uint32_t first;
+    std::uint32_t count;
+};
+
+/// A triangle as the traversal reads it, in leaf order.
+struct alignas(8) LeafTriangle {
+    Vec3 v0, v1, v2;
+    std::uint32_t primitive;  ///< its index in the scene
+};
+static_assert(sizeof(LeafTriangle) == 40, "packed");
+
+/// WideBvhView::node_refs: the top bit tells a leaf from an inner node, the rest is its index.
+constexpr std::uint32_t kLeafBit = 0x80000000u;
+SCOTTY_HD bool is_leaf(std::uint32_t node_ref) { return (node_ref & kLeafBit) != 0; }
+SCOTTY_HD std::uint32_t ref_index(std::uint32_t node_ref) { return node_ref & ~kLeafBit; }
+
+enum class MaterialKind : std::uint32_t { diffuse = 0, mirror = 1, glass = 2 };
+
+/// What a surface does with light. Emission is a property of its own: a diffuse surface may glow.
+struct Material {
+    MaterialKind kind = MaterialKind::diffuse;
+    Vec3 reflectance{0.0f, 0.0f, 0.0f};    ///< albedo of diffuse, tint of mirror and glass; 0..1
+    Vec3 transmittance{0.0f, 0.0f, 0.0f};  ///< tint of refraction (glass); 0..1
+    float ior = 1.0f;                      ///< index of refraction inside (glass)
+    Vec3 emission{0.0f, 0.0f, 0.0f};       ///< radiance leaving the front side (winding), W/m^2/sr
+    /// 1 where a Light of the scene stands for this emission: then a path counts it only where it
+    /// is seen directly or in a mirror, never a second time after light sampling.
+    std::uint32_t emission_is_sampled = 0;
+};
+
+enum class LightKind : std::uint32_t {
+    parallelogram = 0,  ///< position + x edge_x + y edge_y, x and y in [0, 1]
+    triangle = 1,       ///< the same with x + y <= 1
+    point = 2,
+    directional = 3,
+    environment = 4,  ///< the same radiance from every direction
+    hemisphere = 5    ///< the same from the half around `normal`, black from the other
+};
+
+struct Light {
+    LightKind kind = LightKind::point;
+    Vec3 position{0.0f, 0.0f, 0.0f};  ///< corner of an area light, or the point
+    Vec3 edge_x{0.0f, 0.0f, 0.0f};
+    Vec3 edge_y{0.0f, 0.0f, 0.0f};
+    /// Unit: the front side of an area light (it emits there only); where a directional light
+    /// shines to; the middle of a hemisphere.
+    Vec3 normal{0.0f, 0.0f, 1.0f};
+    /// Area, environment: radiance, W/m^2/sr. Point: intensity, W/sr. Directional: irradiance on a
+    /// surface that faces it, W/m^2.
+    Vec3 radiance{0.0f, 0.0f, 0.0f};
+    float area = 0.0f;  ///< m^2, area lights
+};
+
+/// Pinhole camera; right, up, forward are orthonormal and right-handed as seen: x right, y up.
+struct Camera {
+    Vec3 position{0.0f, 0.0f, 0.0f};
+    Vec3 right{1.0f, 0.0f, 0.0f};
+    Vec3 up{0.0f, 1.0f, 0.0f};
+    Vec3 forward{0.0f, 0.0f, -1.0f};
+    /// Tangent of half the vertical field of view. The horizontal one follows from the image's
+    /// aspect ratio, so any image shape sees an undistorted scene.
+    float tan_half_fov = 0.5f;
+};
+
+/// Bits of PathState::flags.
+constexpr std::uint32_t kPathAlive = 1u;     ///< there is a vertex to shade
+constexpr std::uint32_t kPathSpecular = 2u;  ///< the last scattering was a mirror's or glass's
+
+}  // namespace scotty::reference

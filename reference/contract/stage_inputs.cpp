@@ -1,0 +1,190 @@
+#include "reference/contract/stage_inputs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace scotty::reference {
+
+namespace {
+
+void expect_rising(const StageBuffers& buffers, const char* name,
+                   std::span<const std::uint32_t> offsets) {
+    for (std::size_t i = 1; i < offsets.size(); ++i) {
+        if (offsets[i] < offsets[i - 1]) {
+            buffers.fail(name, fmt::format("expected offsets that never fall, found {} after {} "
+                                           "at element {}",
+                                           offsets[i], offsets[i - 1], i));
+        }
+    }
+}
+
+void expect_blocks(const StageBuffers& buffers, const LevelInput& in, std::uint32_t per_block) {
+    for (std::size_t node = 0; node < in.node_counts.size(); ++node) {
+        const std::uint64_t blocks =
+            (std::uint64_t{in.node_counts[node]} + per_block - 1) / per_block;
+        if (std::uint64_t{in.block_offsets[node]} + blocks != in.block_offsets[node + 1]) {
+            buffers.fail("block_offsets",
+                         fmt::format("node {} of the level has {} rays = {} blocks, but its "
+                                     "offsets are {} and {}",
+                                     node, in.node_counts[node], blocks, in.block_offsets[node],
+                                     in.block_offsets[node + 1]));
+        }
+    }
+}
+
+void expect_queues(const StageBuffers& buffers, const LevelInput& in) {
+    expect_rising(buffers, "queue_offsets", in.queue_offsets);
+    for (std::size_t node = 0; node < in.node_counts.size(); ++node) {
+        const std::uint64_t begin = in.queue_offsets[node];
+        if (begin + in.node_counts[node] > in.queue.size()) {
+            buffers.fail("queue",
+                         fmt::format("node {} of the level has entries {} to {}, the "
+                                     "buffer has {}",
+                                     node, begin, begin + in.node_counts[node], in.queue.size()));
+        }
+        for (const std::uint32_t ray : in.queue.subspan(begin, in.node_counts[node])) {
+            if (ray >= in.rays.size()) {
+                buffers.fail("queue", fmt::format("node {} of the level has ray {}, there are {}",
+                                                  node, ray, in.rays.size()));
+            }
+        }
+    }
+}
+
+}  // namespace
+
+void StageBuffers::fail(std::string_view buffer, const std::string& what) const {
+    throw Error::bad_input(fmt::format("{}: {}", stage_.name, buffer), what);
+}
+
+const BufferView& StageBuffers::find(std::string_view name, std::size_t element_bytes) const {
+    const auto& inputs = stage_.inputs;
+    const auto found = std::find_if(inputs.begin(), inputs.end(),
+                                    [&](const BufferView& view) { return view.name == name; });
+    if (found == inputs.end()) fail(name, "the stage needs it to be run alone, and it is missing");
+    if (found->bytes % element_bytes != 0) {
+        fail(name, fmt::format("expected elements of {} bytes, found {} bytes", element_bytes,
+                               found->bytes));
+    }
+    return *found;
+}
+
+void StageBuffers::expect_count(std::string_view name, std::size_t expected,
+                                std::size_t found) const {
+    if (found != expected) {
+        fail(name, fmt::format("expected {} elements, found {}", expected, found));
+    }
+}
+
+LevelNodes nodes_of(const WideBvh& bvh, const StageView& stage) {
+    const auto& begins = bvh.level_begins;
+    const std::uint32_t level = stage.level;
+    if (level >= bvh.level_count()) {
+        throw Error::bad_input(stage.name, fmt::format("the BVH has {} levels, so no level {}",
+                                                       bvh.level_count(), level));
+    }
+    const bool last = level + 1 == bvh.level_count();
+    return {begins[level], begins[level + 1] - begins[level], begins[level + 1],
+            last ? 0 : begins[level + 2] - begins[level + 1]};
+}
+
+LevelInput level_input(const StageBuffers& buffers, const LevelNodes& nodes,
+                       const PipelineParameters& parameters, const StageView& stage) {
+    LevelInput in;
+    in.rays = buffers.input<Ray>("rays");
+    in.node_counts = buffers.input<std::uint32_t>("node_counts", nodes.count);
+    in.block_offsets = buffers.input<std::uint32_t>("block_offsets", nodes.count + 1);
+    in.child_offsets = buffers.input<std::uint32_t>("child_offsets", nodes.child_count + 1);
+    expect_rising(buffers, "child_offsets", in.child_offsets);
+    expect_blocks(buffers, in, static_cast<std::uint32_t>(parameters.rays_per_block));
+    if (stage.level == 0) {
+        if (in.node_counts[0] != in.rays.size()) {
+            buffers.fail("node_counts", fmt::format("expected all {} rays at the root, found {}",
+                                                    in.rays.size(), in.node_counts[0]));
+        }
+        return in;
+    }
+    in.queue_offsets = buffers.input<std::uint32_t>("queue_offsets", nodes.count + 1);
+    in.queue = buffers.input<std::uint32_t>("queue");
+    expect_queues(buffers, in);
+    return in;
+}
+
+GatheredHits gathered_hits(const StageBuffers& buffers, const PipelineParameters& parameters,
+                           std::size_t rays) {
+    GatheredHits hits;
+    if (parameters.hit_mode == HitMode::packed) {
+        hits.packed = buffers.copy<std::uint64_t>("packed_hits", rays);
+        return hits;
+    }
+    hits.counts = buffers.copy<std::uint32_t>("hit_counts", rays);
+    const auto candidates = buffers.input<HitCandidate>("hits");
+    if (rays == 0 || candidates.size() % rays != 0) {
+        buffers.fail("hits", fmt::format("expected the same number of slots for each of {} "
+                                         "rays, found {} slots",
+                                         rays, candidates.size()));
+    }
+    hits.candidates.assign(candidates.begin(), candidates.end());
+    hits.capacity = static_cast<std::uint32_t>(candidates.size() / rays);
+    return hits;
+}
+
+void expect_primitives(const StageBuffers& buffers, const GatheredHits& hits,
+                       std::uint32_t triangle_count) {
+    const auto expect = [&](const char* name, std::size_t ray, std::uint32_t primitive) {
+        if (primitive == kNone || primitive < triangle_count) return;
+        buffers.fail(name, fmt::format("ray {} hits primitive {}, the scene has {}", ray, primitive,
+                                       triangle_count));
+    };
+    for (std::size_t ray = 0; ray < hits.packed.size(); ++ray) {
+        expect("packed_hits", ray, static_cast<std::uint32_t>(hits.packed[ray]));
+    }
+    for (std::size_t ray = 0; ray < hits.counts.size(); ++ray) {
+        for (std::uint32_t slot = 0; slot < std::min(hits.counts[ray], hits.capacity); ++slot) {
+            expect("hits", ray, hits.candidates[ray * hits.capacity + slot].primitive);
+        }
+    }
+}
+
+std::span<const Hit> hits_of_scene(const StageBuffers& buffers, const char* name, std::size_t rays,
+                                   std::uint32_t triangle_count) {
+    const std::span<const Hit> hits = buffers.input<Hit>(name, rays);
+    for (std::size_t ray = 0; ray < hits.size(); ++ray) {
+        if (is_hit(hits[ray]) && hits[ray].primitive >= triangle_count) {
+            buffers.fail(name, fmt::format("ray {} hits primitive {}, the scene has {}", ray,
+                                           hits[ray].primitive, triangle_count));
+        }
+    }
+    return hits;
+}
+
+std::optional<BatchExtent> batch_extent(const PipelineParameters& p, std::uint64_t batch) {
+    const std::uint32_t pixels = p.image_width * p.image_height;
+    const std::uint32_t pass_samples = samples_of_pass(p);
+    const std::uint32_t samples = std::min(pass_samples, p.batch_rays);
+    const std::uint32_t at_once = std::max(1u, std::min(pixels, p.batch_rays / samples));
+    const auto rounds_of = [&](std::uint64_t of_pass) { return (of_pass + samples - 1) / samples; };
+    const std::uint64_t bands = (pixels + std::uint64_t{at_once} - 1) / at_once;
+    const std::uint64_t batches_of_pass = bands * rounds_of(pass_samples);
+    const std::uint64_t begin = batch / batches_of_pass * pass_samples;
+    if (begin >= p.spp) return std::nullopt;
+    const std::uint64_t end = std::min<std::uint64_t>(p.spp, begin + pass_samples);
+    const std::uint64_t rounds = rounds_of(end - begin);  // the last pass may have fewer
+    const std::uint64_t in_pass = batch % batches_of_pass;
+    const std::uint64_t first = in_pass / rounds * at_once;
+    if (first >= pixels) return std::nullopt;
+    const auto first_pixel = static_cast<std::uint32_t>(first);
+    const auto first_sample = static_cast<std::uint32_t>(begin + in_pass % rounds * samples);
+    return BatchExtent{first_pixel, std::min(at_once, pixels - first_pixel), first_sample,
+                       std::min(samples, static_cast<std::uint32_t>(end) - first_sample)};
+}
+
+BatchExtent batch_of(const PipelineParameters& p, const StageView& stage) {
+    if (const auto extent = batch_extent(p, stage.batch)) return *extent;
+    throw Error::bad_input(stage.name,
+                           fmt::format("an image of {}x{} pixels, {} samples each, has no batch {}",
+                                       p.image_width, p.image_height, p.spp, stage.batch));
+}
+
+}  // namespace scotty::reference

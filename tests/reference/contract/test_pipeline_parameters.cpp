@@ -1,0 +1,111 @@
+#include <array>
+#include <catch2/catch.hpp>
+#include <functional>
+
+#include "reference/base/error.h"
+#include "reference/contract/pipeline_parameters.h"
+#include "reference/contract/stage_observer.h"
+
+namespace {
+
+using namespace scotty::reference;
+using Catch::Matchers::Contains;
+
+std::string complaint_about(const std::function<void(PipelineParameters&)>& spoil) {
+    PipelineParameters parameters;
+    spoil(parameters);
+    try {
+        validate(parameters);
+    } catch (const Error& error) {
+        CHECK(error.kind() == ErrorKind::bad_input);
+        return error.what();
+    }
+    return "";
+}
+
+TEST_CASE("parameters: the defaults are valid", "[reference][parameters]") {
+    CHECK_NOTHROW(validate(PipelineParameters{}));
+}
+
+TEST_CASE("parameters: what is out of range is named with its value and what is allowed",
+          "[reference][parameters]") {
+    CHECK_THAT(complaint_about([](auto& p) { p.width = 3; }),
+               Contains("tree width") && Contains("2, 4, 8 or 16") && Contains("found 3"));
+    CHECK_THAT(complaint_about([](auto& p) { p.rays_per_block = 0; }),
+               Contains("rays per block") && Contains("32..1024") && Contains("found 0"));
+    CHECK_THAT(complaint_about([](auto& p) { p.rays_per_block = -64; }), Contains("found -64"));
+    CHECK_THAT(complaint_about([](auto& p) { p.rays_per_block = 48; }),
+               Contains("multiple of 32") && Contains("48"));
+    CHECK_THAT(complaint_about([](auto& p) { p.image_width = 0; }),
+               Contains("image width") && Contains("found 0"));
+    CHECK_THAT(complaint_about([](auto& p) { p.image_height = 0; }), Contains("image height"));
+    CHECK_THAT(complaint_about([](auto& p) { p.image_width = p.image_height = 60000; }),
+               Contains("image size") && Contains("60000x60000"));
+    CHECK_THAT(complaint_about([](auto& p) { p.spp = 0; }), Contains("samples per pixel"));
+    CHECK_THAT(complaint_about([](auto& p) { p.bounces = 65; }), Contains("bounces"));
+    CHECK_THAT(complaint_about([](auto& p) { p.light_samples = 65; }), Contains("light samples"));
+    CHECK_THAT(complaint_about([](auto& p) { p.max_leaf_size = 65; }),
+               Contains("triangles a leaf"));
+    CHECK_THAT(complaint_about([](auto& p) { p.hit_capacity = 0; }), Contains("hit capacity"));
+    CHECK_THAT(complaint_about([](auto& p) { p.batch_rays = 0; }), Contains("rays a batch"));
+}
+
+TEST_CASE("parameters: every word is read back as the value that it names",
+          "[reference][parameters]") {
+    for (const EarlyOut v : {EarlyOut::off, EarlyOut::level, EarlyOut::immediate}) {
+        CHECK(parse_early_out(to_string(v)) == v);
+    }
+    for (const BlockOrder v : {BlockOrder::linear, BlockOrder::strided}) {
+        CHECK(parse_block_order(to_string(v)) == v);
+    }
+    for (const HitMode v : {HitMode::buffer, HitMode::packed}) {
+        CHECK(parse_hit_mode(to_string(v)) == v);
+    }
+    for (const ShadowQuery v : {ShadowQuery::any, ShadowQuery::closest}) {
+        CHECK(parse_shadow_query(to_string(v)) == v);
+    }
+    for (const Filter v : {Filter::none, Filter::gaussian, Filter::bilateral, Filter::median}) {
+        CHECK(parse_filter(to_string(v)) == v);
+    }
+}
+
+TEST_CASE("parameters: an unknown word is answered with the words there are",
+          "[reference][parameters]") {
+    CHECK_THROWS_WITH(parse_early_out("never"), Contains("early-out") &&
+                                                    Contains("off, level, immediate") &&
+                                                    Contains("'never'"));
+    CHECK_THROWS_WITH(parse_filter(""), Contains("gaussian"));
+    CHECK_THROWS_WITH(parse_block_order("x"), Contains("linear, strided"));
+    CHECK_THROWS_WITH(parse_hit_mode("x"), Contains("buffer, packed"));
+    CHECK_THROWS_WITH(parse_shadow_query("x"), Contains("any, closest"));
+}
+
+TEST_CASE("stages: a name is the path to its place", "[reference][stages]") {
+    constexpr std::uint32_t none = kNotApplicable;
+    CHECK(stage_name(StageKind::primary_rays, 0, none, none, none, false) == "primary_rays");
+    CHECK(stage_name(StageKind::primary_rays, 2, none, none, none, true) == "batch2/primary_rays");
+    CHECK(stage_name(StageKind::intersect, 0, 1, 0, 3, false) == "bounce1/light0/level3/intersect");
+    CHECK(stage_name(StageKind::scene_rays, 0, 1, none, none, false) == "bounce1/scene_rays");
+    CHECK(stage_name(StageKind::intersect_root, 0, none, none, 0, false) ==
+          "trace/level0/intersect_root");
+    CHECK(stage_name(StageKind::merge_intersections, 0, none, none, none, false) ==
+          "trace/merge_intersections");
+    CHECK(stage_name(StageKind::reconstruct_image, 0, none, none, none, false) ==
+          "reconstruct_image");
+}
+
+TEST_CASE("stages: a buffer is found by name and read as its type", "[reference][stages]") {
+    const std::array<std::uint32_t, 3> counts{1, 2, 3};
+    const std::array<std::uint32_t, 3> after{4, 5, 6};
+    StageView stage;
+    stage.name = "level0/scan_counts";
+    stage.inputs.push_back(buffer_view<std::uint32_t>("counts", counts, "rays a node"));
+    CHECK(stage.find("nothing") == nullptr);
+    CHECK(stage.get<std::uint32_t>("nothing").empty());
+    CHECK(stage.get<std::uint32_t>("counts")[2] == 3);
+    CHECK_THROWS_WITH(stage.get<std::uint64_t>("counts"), Contains("counts of level0/scan_counts"));
+    stage.outputs.push_back(buffer_view<std::uint32_t>("counts", after, "rays a node"));
+    CHECK(stage.get<std::uint32_t>("counts")[2] == 6);  // what the stage made of it
+}
+
+}  // namespace

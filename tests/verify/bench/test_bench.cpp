@@ -1,0 +1,239 @@
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "reference/base/error.h"
+#include "scenes/scenes.h"
+#include "tests/verify/command_tools.h"
+#include "verify/bench/bench.h"
+#include "verify/bench/bench_check.h"
+#include "verify/bench/bench_simt.h"
+#include "verify/commands/options.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace scotty;
+using Catch::Matchers::Contains;
+
+TEST_CASE("bench: both tracers get the living rays of every traversal", "[verify][bench]") {
+    verify::BenchSettings settings;
+    settings.parameters.image_width = 16;
+    settings.parameters.image_height = 8;
+    settings.parameters.spp = 1;
+    settings.parameters.bounces = 1;
+    settings.repeats = 2;
+    settings.warm_ups = 0;
+    const verify::BenchReport report =
+        bench_backend(scenes::load_scene("cornell"), settings, "emulator");
+    const std::vector<verify::BenchRays>& kinds = report.rays.kinds;
+    REQUIRE(kinds.size() == 3);
+    CHECK(kinds[0].kind == "primary");
+    CHECK(kinds[0].rays == 16u * 8);
+    CHECK(kinds[1].kind == "shadow");
+    CHECK(kinds[2].kind == "bounce 1");
+    std::uint64_t rays = 0;
+    double ours = 0.0;
+    for (std::size_t i = 0; i < kinds.size(); ++i) {
+        rays += kinds[i].rays;
+        ours += kinds[i].ours.median;
+        CHECK(kinds[i].embree.least > 0.0);
+        CHECK(kinds[i].kind == report.renders.rays[i].kind);
+        CHECK(kinds[i].rays == report.renders.rays[i].rays);
+        CHECK(kinds[i].rays == report.occupancy.kinds[i].rays);
+    }
+    CHECK(report.rays.all.rays == rays);
+    CHECK(report.rays.all.ours.median == ours);
+    CHECK(report.renders.device_bytes > 16u * 8 * 32);
+    const nlohmann::json json = to_json(report);
+    CHECK(json["ratio_to_embree"].get<double>() == report.rays.all.ratio());
+    for (const char* key :
+         {"rays", "all_rays", "render_seconds", "render_spread", "embree_render_seconds",
+          "device_bytes", "stages", "kernels", "levels", "traversals", "stage_paths",
+          "kernel_seconds", "occupancy", "warm_ups", "repeats", "batch_rays"}) {
+        CHECK(json.contains(key));
+    }
+    CHECK(json["rays"][0].contains("emulator_rays_per_second"));
+    CHECK(json["rays"][0]["emulator_spread"]["median"] == json["rays"][0]["emulator_seconds"]);
+    CHECK(json["render_repeats"].size() == 2);
+    CHECK_THAT(table(report), Contains("emulator M/s") && Contains("traversals of") &&
+                                  Contains("bounce0/light0/") && Contains("of warp"));
+}
+
+TEST_CASE("bench: Embree alone needs no back end beside it", "[verify][bench]") {
+    verify::BenchSettings settings;
+    settings.parameters.image_width = 16;
+    settings.parameters.image_height = 8;
+    settings.parameters.spp = 1;
+    settings.warm_ups = 0;
+    settings.repeats = 1;
+    const verify::EmbreeBenchReport report = bench_embree(scenes::load_scene("cornell"), settings);
+    CHECK(report.rays.kinds.size() == 4);
+    CHECK(report.render.median > 0.0);
+    const nlohmann::json json = to_json(report);
+    CHECK(json["rays"][0]["embree_rays_per_second"].get<double>() > 0.0);
+    CHECK_FALSE(json.contains("ratio_to_embree"));
+    CHECK_FALSE(json["rays"][0].contains("ratio"));
+    CHECK_THAT(table(report), Contains("Embree M/s") && !Contains("ratio"));
+}
+
+TEST_CASE("bench: launches add up by stage, kernel, level, kind of rays and name",
+          "[verify][bench]") {
+    using reference::kNotApplicable;
+    using reference::LaunchRecord;
+    using reference::StageKind;
+    reference::PipelineParameters p;
+    p.queue_levels = 2;
+    p.filter = reference::Filter::median;
+    const reference::WideBvh bvh = build_wide_bvh(scenes::load_scene("coil"), bvh_parameters(p, 1));
+    const std::vector<LaunchRecord> launches{
+        {StageKind::primary_rays, 0, kNotApplicable, kNotApplicable, kNotApplicable, 1, 8, 1.0},
+        {StageKind::intersect_root, 0, 0, kNotApplicable, 0, 2, 8, 2.0},
+        {StageKind::intersect, 0, 0, kNotApplicable, 1, 3, 6, 4.0},
+        {StageKind::intersect_root, 1, 0, kNotApplicable, 0, 2, 8, 8.0},
+        {StageKind::intersect, 0, 1, 0, 1, 1, 2, 16.0},
+        {StageKind::filter, 0, kNotApplicable, kNotApplicable, kNotApplicable, 1, 8, 32.0}};
+    const verify::BenchParts parts = verify::parts_of(launches, bvh, p);
+    CHECK(parts.seconds == 63.0);
+    const auto seconds = [](const std::vector<verify::BenchPart>& rows) {
+        std::vector<std::pair<std::string, double>> out;
+        for (const verify::BenchPart& row : rows) out.emplace_back(row.name, row.seconds);
+        return out;
+    };
+    using Rows = std::vector<std::pair<std::string, double>>;
+    CHECK(seconds(parts.stages) ==
+          Rows{{"filter", 32}, {"intersect", 20}, {"intersect_root", 10}, {"primary_rays", 1}});
+    CHECK(seconds(parts.kernels) == Rows{{"filter_median", 32},
+                                         {"intersect_subtrees", 20},
+                                         {"intersect_root", 10},
+                                         {"primary_rays", 1}});
+    CHECK(seconds(parts.levels) == Rows{{"level 0", 10}, {"level 1", 20}});
+    CHECK(seconds(parts.rays) == Rows{{"primary", 14}, {"shadow", 16}, {"shading", 33}});
+    CHECK(seconds(parts.paths) == Rows{{"filter", 32},
+                                       {"bounce1/light0/intersect", 16},
+                                       {"bounce0/intersect_root", 10},
+                                       {"bounce0/intersect", 4},
+                                       {"primary_rays", 1}});
+    CHECK(parts.levels[0].launches == 2);
+    CHECK(parts.levels[0].blocks == 4);
+    CHECK(parts.levels[1].items == 8);
+}
+
+TEST_CASE("bench: cuda without a device is something missing, exit code 3",
+          "[verify][bench][cli]") {
+    if (verify::machine_description().cuda) {
+        WARN("not run: there is a CUDA device");
+        return;
+    }
+    const verify::test::Result result = verify::test::scotty_here("bench cuda cornell");
+    CHECK(result.exit_code == 3);
+    CHECK(result.out.empty());
+    CHECK_THAT(result.err, Contains("cuda: "));
+}
+
+TEST_CASE("bench: every one says machine, warm-ups, repeats and spread", "[verify][bench][cli]") {
+    const std::string small =
+        " cornell --size 8x8 --spp 1 --bounces 0 --threads 1 --repeats 2 --warm-ups 0";
+    for (const std::string what : {"emulator", "simt", "embree"}) {
+        const verify::test::Result result =
+            verify::test::scotty_here("bench " + what + small + " --json -");
+        INFO(what << result.err);
+        REQUIRE(result.exit_code == 0);
+        const nlohmann::json json = nlohmann::json::parse(result.out);
+        CHECK(json["machine"]["cores"].get<int>() >= 1);
+        CHECK(json["warm_ups"] == 0);
+        CHECK(json["repeats"] == 2);
+        CHECK(json["threads"] == 1);
+        CHECK(json["rays"][0]["embree_spread"]["least"] <= json["rays"][0]["embree_seconds"]);
+        CHECK(json.contains("occupancy") == (what != "embree"));
+    }
+    const verify::test::Result text = verify::test::scotty_here("bench embree" + small);
+    CHECK_THAT(text.out, Contains("median of 2 after 0 to warm up") && Contains("machine: "));
+    const verify::test::Result help = verify::test::scotty_here("bench --help");
+    CHECK_THAT(help.out, Contains("bench cuda coil") && Contains("bench embree coil"));
+    const verify::test::Result never =
+        verify::test::scotty_here("bench embree cornell --repeats 0");
+    CHECK(never.exit_code == 2);
+    CHECK_THAT(never.err, Contains("--repeats"));
+}
+
+TEST_CASE("bench: the CUDA text on the CPU is timed beside the emulator, stage by stage",
+          "[verify][bench]") {
+    verify::BenchSettings settings;
+    settings.parameters.image_width = 16;
+    settings.parameters.image_height = 8;
+    settings.parameters.spp = 1;
+    settings.repeats = 2;
+    const verify::SimtBenchReport report = bench_simt(scenes::load_scene("cornell"), settings);
+    CHECK(report.render.emulator_seconds > 0.0);
+    CHECK(report.render.simt_seconds > 0.0);
+    CHECK(report.stages.size() == 10);
+    double parts = 0.0;
+    for (const verify::SimtBenchPart& part : report.stages) {
+        CHECK(part.simt_seconds > 0.0);
+        parts += part.simt_seconds;
+    }
+    CHECK(parts <= report.render.simt_seconds);
+    CHECK(to_json(report)["ratio_to_emulator"].get<double>() == report.render.ratio());
+    CHECK_THAT(table(report), Contains("whole render") && Contains("intersect_root"));
+}
+
+TEST_CASE("bench: checking that costs more than its limit fails", "[verify][bench]") {
+    verify::BenchSettings settings;
+    settings.parameters.image_width = 16;
+    settings.parameters.image_height = 8;
+    settings.parameters.spp = 1;
+    settings.repeats = 1;
+    const reference::Scene scene = scenes::load_scene("cornell");
+    const auto with = [&](const std::string& emulator, const std::string& simt) {
+        return bench_check(scene, settings,
+                           R"(echo '{"emulator":[)" + emulator + R"(],"simt":[)" + simt + "]}'");
+    };
+    CHECK(with("1e-9", "1e-9").passed());
+    CHECK_FALSE(with("1e-9", "1e9").passed());
+    const verify::CheckBenchReport slow = with("1e9", "1e-9");
+    CHECK_FALSE(slow.passed());
+    REQUIRE(slow.parts.size() == 2);
+    CHECK_FALSE(slow.parts[0].within());
+    CHECK(slow.parts[1].within());
+    CHECK(to_json(slow)["passed"] == false);
+    CHECK_THAT(table(slow), Contains("OVER THE LIMIT"));
+    CHECK_THROWS_WITH(bench_check(scene, settings, "true"), Contains("no figures from true"));
+}
+
+TEST_CASE("bench: the command fails with the limit, exit code 1", "[verify][bench][cli]") {
+    const verify::test::TemporaryFolder folder;
+    const fs::path here = fs::read_symlink("/proc/self/exe").parent_path();
+    fs::copy_file(here / "scotty", folder / "scotty");
+    // What scotty-checked would print, had it taken that long.
+    std::ofstream(folder / "scotty-checked")
+        << "#!/bin/sh\necho '{\"emulator\":[1e-9],\"simt\":[1e9]}'\n";
+    fs::permissions(folder / "scotty-checked", fs::perms::owner_all);
+    const verify::test::Result result = verify::test::run(
+        folder / "scotty", "bench check cornell --size 16x8 --repeats 1 --json -");
+    INFO(result.err);
+    CHECK(result.exit_code == 1);
+    CHECK(nlohmann::json::parse(result.out)["passed"] == false);
+}
+
+TEST_CASE("options: a size is two numbers around an x", "[verify][options]") {
+    reference::PipelineParameters p;
+    verify::parse_size("640x480", p);
+    CHECK(p.image_width == 640);
+    CHECK(p.image_height == 480);
+    for (const char* text :
+         {"640", "640x", "x480", "640x480x3", "6 40x480", "-1x5", "99999999999x1"}) {
+        CHECK_THROWS_WITH(verify::parse_size(text, p), Contains("--size"));
+    }
+}
+
+TEST_CASE("options: a list is values between commas", "[verify][options]") {
+    CHECK(verify::split_list("--width", "2,4,16") == std::vector<std::string>{"2", "4", "16"});
+    CHECK(verify::split_list("--width", "8").size() == 1);
+    for (const char* text : {"", ",", "2,", ",4"}) {
+        CHECK_THROWS_WITH(verify::split_list("--width", text), Contains("--width"));
+    }
+}
+
+}  // namespace

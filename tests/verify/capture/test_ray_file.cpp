@@ -1,0 +1,137 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstring>
+
+#include "tests/verify/capture_tools.h"
+#include "verify/capture/ray_file.h"
+
+namespace {
+
+using namespace scotty;
+using namespace scotty::reference;
+using namespace scotty::verify;
+using namespace scotty::verify::test;
+using Catch::Matchers::Contains;
+
+std::string words(std::initializer_list<std::uint32_t> values) {
+    std::string out;
+    for (const std::uint32_t value : values) {
+        out.append(reinterpret_cast<const char*>(&value), sizeof value);
+    }
+    return out;
+}
+
+RayFile two_rays() {
+    return {{{Vec3(0.0f, 1.0f, 3.0f), 0.0f, Vec3(0.0f, 0.0f, -1.0f), kInfinity},
+             {Vec3(0.5f, 1.0f, 3.0f), 0.25f, Vec3(0.0f, 0.0f, -1.0f), 7.0f}},
+            true};
+}
+
+TEST_CASE("ray file: rays are read as written, in the layout of the format", "[verify][rays]") {
+    const TemporaryFolder folder;
+    write_rays(folder / "a.ray", two_rays());
+    const std::string bytes = slurp(folder / "a.ray");
+    CHECK(bytes.size() == 12 + 2 * 32);
+    CHECK(bytes.substr(0, 12) == "RAY1" + words({2, 1}));
+    float t_max = 0.0f;
+    std::memcpy(&t_max, bytes.data() + 12 + 32 + 28, 4);
+    CHECK(t_max == 7.0f);
+    const RayFile back = read_rays(folder / "a.ray");
+    CHECK(back.any_hit);
+    REQUIRE(back.rays.size() == 2);
+    CHECK(std::memcmp(back.rays.data(), two_rays().rays.data(), 64) == 0);
+}
+
+TEST_CASE("ray file: a broken file is named with what was expected", "[verify][rays][errors]") {
+    const TemporaryFolder folder;
+    const auto file = folder / "a.ray";
+    const auto error = [&] { return error_of([&] { read_rays(file); }); };
+    CHECK_THAT(error(), Contains("a.ray") && Contains("cannot be read"));
+    write_rays(file, two_rays());
+    const std::string good = slurp(file);
+    spill(file, good.substr(0, good.size() - 1));
+    CHECK_THAT(error(), Contains("expected 2 rays of 32 bytes = 64 bytes, found 63"));
+    spill(file, good + "x");
+    CHECK_THAT(error(), Contains("found 65"));
+    spill(file, good.substr(0, 6));
+    CHECK_THAT(error(), Contains("ends before its number of rays"));
+    spill(file, "RA");
+    CHECK_THAT(error(), Contains("begins with 'RAY1'"));
+    spill(file, "REF1" + good.substr(4));
+    CHECK_THAT(error(), Contains("found another kind of file"));
+    spill(file, "RAY1" + words({0, 2}));
+    CHECK_THAT(error(), Contains("the any-hit flag: expected 0 or 1, found 2"));
+    spill(file, "RAY1" + words({0xffffffffu, 0}));
+    CHECK_THAT(error(), Contains("expected 4294967295 rays"));
+}
+
+TEST_CASE("ray file: a ray that cannot be traced is named", "[verify][rays][errors]") {
+    const TemporaryFolder folder;
+    const auto error = [&](auto change) {
+        RayFile rays = two_rays();
+        change(rays.rays[1]);
+        write_rays(folder / "a.ray", rays);
+        return error_of([&] { read_rays(folder / "a.ray"); });
+    };
+    const float nan = std::nanf("");
+    CHECK_THAT(error([&](Ray& r) { r.origin.x = nan; }),
+               Contains("a.ray: ray 1") && Contains("origin is not finite"));
+    CHECK_THAT(error([&](Ray& r) { r.direction.z = kInfinity; }), Contains("direction"));
+    CHECK_THAT(error([&](Ray& r) { r.direction = Vec3(0.0f); }), Contains("direction is zero"));
+    CHECK_THAT(error([&](Ray& r) { r.t_min = -1.0f; }), Contains("t_min is negative"));
+    CHECK_THAT(error([&](Ray& r) { r.t_max = nan; }), Contains("t_max is NaN"));
+    CHECK(error([](Ray& r) { r.t_max = -1.0f; }) == "(no error)");  // a dead ray
+}
+
+TEST_CASE("ray file: reference hits, one a ray", "[verify][rays][errors]") {
+    const TemporaryFolder folder;
+    const auto file = folder / "a.ref";
+    spill(file, "REF1" + words({2, 0x3f800000u, 7, 0x7f800000u, 0xffffffffu}));
+    const auto hits = read_reference(file, 2);
+    CHECK(hits[0].t == 1.0f);
+    CHECK(hits[0].primitive == 7);
+    CHECK(hits[1].t == kInfinity);
+    CHECK(hits[1].primitive == kNone);
+    CHECK_THAT(error_of([&] { read_reference(file, 3); }),
+               Contains("expected 3 hits, one a ray, found 2"));
+    spill(file, "REF1" + words({2, 0, 0}));
+    CHECK_THAT(error_of([&] { read_reference(file, 2); }), Contains("cut short"));
+
+    write_hits(folder / "a.hit", hits);
+    CHECK(slurp(folder / "a.hit") == words({0x3f800000u, 7, 0x7f800000u, 0xffffffffu}));
+    CHECK(read_hits(folder / "a.hit").size() == 2);
+    spill(folder / "a.hit", "12345");
+    CHECK_THAT(error_of([&] { read_hits(folder / "a.hit"); }), Contains("found 5 bytes"));
+    CHECK_THAT(error_of([&] { write_hits(folder / "no" / "a.hit", hits); }),
+               Contains("cannot be written"));
+}
+
+TEST_CASE("ray file: any-hit answers have t 0 and primitive 1 or 0", "[verify][rays]") {
+    CHECK(hit_record({2.0f, 9, 0.1f, 0.2f}, true).primitive == 1);
+    CHECK(hit_record({2.0f, 9, 0.1f, 0.2f}, true).t == 0.0f);
+    CHECK(hit_record(no_hit(), true).primitive == 0);
+    CHECK(hit_record({2.0f, 9, 0.1f, 0.2f}, false).primitive == 9);
+    CHECK(hit_record(no_hit(), false).t == kInfinity);
+}
+
+TEST_CASE("ray file: a scene of triangles is read and validated", "[verify][rays][errors]") {
+    const TemporaryFolder folder;
+    const auto file = folder / "one.scn";
+    const float corners[] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    const std::string vertices(reinterpret_cast<const char*>(corners), sizeof corners);
+    spill(file, "SCN1" + words({3, 1}) + vertices + words({0, 1, 2}));
+    const Scene scene = read_scene_file(file);
+    CHECK(scene.name == "one.scn");
+    CHECK(scene.triangles.size() == 1);
+    CHECK(scene.vertices[1].x == 1.0f);
+    CHECK(scene.materials.size() == 1);
+    spill(file, "SCN1" + words({3, 1}) + vertices + words({0, 1, 3}));
+    CHECK_THAT(error_of([&] { read_scene_file(file); }), Contains("one.scn"));
+    spill(file, "SCN1" + words({3, 1}) + vertices + words({0, 1}));
+    CHECK_THAT(error_of([&] { read_scene_file(file); }),
+               Contains("expected 1 triangles of 12 bytes = 12 bytes, found 8"));
+    spill(file, "SCN1" + words({4, 1}) + vertices);
+    CHECK_THAT(error_of([&] { read_scene_file(file); }), Contains("expected 4 vertices"));
+}
+
+}  // namespace

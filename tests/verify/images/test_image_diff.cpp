@@ -1,0 +1,235 @@
+/// `scotty diff IMAGE GOLDEN` and `scotty bench gates`, as a user runs them.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/verify/command_tools.h"
+#include "tests/verify/image_tools.h"
+#include "verify/bench/bench_gates.h"
+#include "verify/images/image_diff.h"
+#include "verify/images/image_read.h"
+#include "verify/images/planted_faults.h"
+
+namespace {
+
+using namespace scotty;
+using namespace scotty::verify::test;
+using Catch::Matchers::Contains;
+using verify::ImageFault;
+using verify::MeasuredImage;
+
+/// A golden image and renders of it as files.
+struct Pair {
+    TemporaryFolder folder;
+    std::string golden = folder.file("golden.exr");
+    std::string image = folder.file("image.exr");
+    verify::SyntheticSettings settings;
+
+    explicit Pair(ImageFault fault = ImageFault::none, bool variances = true) {
+        settings.width = 32;
+        settings.height = 24;
+        verify::write_measured_image(verify::synthetic_golden(settings), golden);
+        MeasuredImage render = verify::synthetic_render(settings, fault);
+        if (!variances) {
+            render.variance.clear();
+            render.samples = 0;
+        }
+        verify::write_measured_image(render, image);
+    }
+    Result diff(const std::string& options = "") const {
+        return scotty_here("diff " + image + " " + golden + " " + options);
+    }
+};
+
+reference::Image picture_of(const MeasuredImage& image) {
+    reference::Image picture{image.width, image.height, {}};
+    for (const verify::Color& c : image.mean) {
+        picture.pixels.emplace_back(static_cast<float>(c[0]), static_cast<float>(c[1]),
+                                    static_cast<float>(c[2]));
+    }
+    return picture;
+}
+
+TEST_CASE("scotty diff: a render passes against its golden image, with the gates named",
+          "[verify][image][cli]") {
+    const Pair pair;
+    const Result result = pair.diff();
+    INFO(result.out << result.err);
+    CHECK(result.exit_code == 0);
+    for (const char* word : {"layout", "finite", "global", "tile", "pixel", "flip", "PSNR",
+                             "256 samples", "4096 samples", "0.0001", "worst pixels"}) {
+        CHECK_THAT(result.out, Contains(word));
+    }
+    CHECK_THAT(pair.diff("--heavy-tailed").out, Contains("pixel    -"));
+    CHECK_THAT(pair.diff("--false-alarm 0.01").out, Contains("probability 0.01"));
+}
+
+TEST_CASE("scotty diff: a fault exits with 1 and says by which gate and where",
+          "[verify][image][cli]") {
+    const Pair pair(ImageFault::not_a_number);
+    const Result result = pair.diff();
+    CHECK(result.exit_code == 1);
+    CHECK_THAT(result.out, Contains("differs, by the finite gate") && Contains("(0, 12) green"));
+
+    const Pair mirrored(ImageFault::mirrored);
+    const Result json = mirrored.diff("--json");
+    CHECK(json.exit_code == 1);
+    const auto verdict = nlohmann::json::parse(json.out);
+    CHECK_FALSE(verdict["passed"].get<bool>());
+    CHECK(verdict["basis"] == "noise");
+    CHECK(verdict["gates"].size() == 5);
+    CHECK(verdict["gates"][3]["gate"] == "tile");
+    CHECK_FALSE(verdict["gates"][3]["passed"].get<bool>());
+    CHECK(verdict["worst"].size() == 10);
+    CHECK(verdict["image"]["samples"] == 256);
+}
+
+TEST_CASE("scotty diff: numbers that are not finite leave the JSON clean", "[verify][image][cli]") {
+    const Pair pair(ImageFault::not_a_number);
+    const auto verdict = nlohmann::json::parse(pair.diff("--json").out);
+    CHECK(verdict["not_judged_by"]["flip"] == "NaN");
+    CHECK(verdict["not_judged_by"]["max_ulps"] == "Infinity");
+    CHECK(verdict["worst"][0]["image"][1] == "NaN");
+}
+
+TEST_CASE("scotty diff: an image that does not know its noise is never passed for that",
+          "[verify][image][cli]") {
+    const Pair pair(ImageFault::none, false);
+    const Result unknown = pair.diff();
+    CHECK(unknown.exit_code == 1);
+    CHECK_THAT(unknown.out, Contains("the image has no variances") && Contains("--samples"));
+    CHECK(pair.diff("--samples 256").exit_code == 0);  // by the golden image's noise
+    CHECK_THAT(pair.diff("--samples 256").out, Contains("taken from the other's"));
+    const Pair wrong(ImageFault::brighter, false);
+    CHECK(wrong.diff("--samples 65536").exit_code == 1);
+    const Pair known;
+    CHECK_THAT(known.diff("--samples 512").err, Contains("256 samples a pixel, not 512"));
+}
+
+TEST_CASE("scotty diff: renders with other seeds say how noisy they are", "[verify][image][cli]") {
+    for (const ImageFault fault : {ImageFault::none, ImageFault::cosine_forgotten}) {
+        const Pair pair(fault, false);
+        std::string also = "--samples 256 --also";
+        for (std::uint64_t seed = 2; seed <= 6; ++seed) {
+            verify::SyntheticSettings settings = pair.settings;
+            settings.seed = seed;
+            MeasuredImage render = verify::synthetic_render(settings, fault);
+            render.variance.clear();
+            const std::string file =
+                pair.folder.file(("b" + std::to_string(seed) + ".exr").c_str());
+            verify::write_measured_image(render, file);
+            also += " " + file;
+        }
+        const Result result = pair.diff(also);
+        INFO(result.out << result.err);
+        CHECK(result.exit_code == (fault == ImageFault::none ? 0 : 1));
+        CHECK_THAT(result.out, Contains("6 samples of 256 paths, with variances"));
+        CHECK_THAT(pair.diff("--also " + pair.image).err, Contains("--samples"));
+        verify::write_measured_image(smooth_image(7, 7), pair.folder.file("small.exr"));
+        CHECK_THAT(pair.diff("--samples 256 --also " + pair.folder.file("small.exr")).err,
+                   Contains("small.exr: has another size"));
+    }
+}
+
+TEST_CASE("scotty diff: without noise on either side only equal bits pass, or a stated tolerance",
+          "[verify][image][cli]") {
+    const TemporaryFolder folder;
+    MeasuredImage image = smooth_image(20, 10);
+    verify::write_measured_image(image, folder.file("a.exr"));
+    image.mean[45][0] *= 1.001;
+    verify::write_measured_image(image, folder.file("b.exr"));
+    const std::string both = "diff " + folder.file("b.exr") + " " + folder.file("a.exr");
+    CHECK(scotty_here("diff " + folder.file("a.exr") + " " + folder.file("a.exr")).exit_code == 0);
+    const Result bits = scotty_here(both);
+    CHECK(bits.exit_code == 1);
+    CHECK_THAT(bits.out, Contains("neither image says how noisy it is") &&
+                             Contains("red of pixel (5, 2)") && Contains("--tolerance"));
+    CHECK(scotty_here(both + " --tolerance 0.01").exit_code == 0);
+    CHECK(scotty_here(both + " --tolerance 0.0001").exit_code == 1);
+    CHECK(scotty_here(both + " --tolerance 0").exit_code == 1);
+}
+
+TEST_CASE("scotty diff: a PNG against an EXR goes by a tolerance", "[verify][image][cli]") {
+    const TemporaryFolder folder;
+    MeasuredImage image = smooth_image(20, 10);
+    for (verify::Color& color : image.mean) {
+        for (double& value : color) value = std::min(value, 0.99);
+    }
+    verify::write_image(picture_of(image), folder.file("a.png"));
+    verify::write_measured_image(image, folder.file("a.exr"));
+    const std::string both = "diff " + folder.file("a.png") + " " + folder.file("a.exr");
+    CHECK(scotty_here(both).exit_code == 1);
+    CHECK(scotty_here(both + " --tolerance 0.02").exit_code == 0);
+}
+
+TEST_CASE("scotty diff: the heat map is hottest where the fault is", "[verify][image][cli]") {
+    const Pair pair(ImageFault::black_pixels);
+    const std::string map = pair.folder.file("z.exr");
+    const Result result = pair.diff("--json --heatmap " + map);
+    CHECK(result.exit_code == 1);
+    const auto worst = nlohmann::json::parse(result.out)["worst"][0];
+    const verify::MeasuredImage heat = verify::read_image(map).image;
+    const std::size_t x = worst["x"];
+    const std::size_t y = worst["y"];
+    CHECK(heat.mean[y * 32 + x] == verify::Color{1.0, 1.0, 1.0});
+    CHECK(heat.mean[0] == verify::Color{0.0, 0.0, 0.0});  // background
+    CHECK(pair.diff("--heatmap " + pair.folder.file("z.png")).exit_code == 1);
+    CHECK(std::filesystem::exists(pair.folder.file("z.png")));
+    CHECK(pair.diff("--heatmap " + pair.folder.file("z.gif")).exit_code == 2);
+}
+
+TEST_CASE("scotty diff: images that cannot be read or do not go with the options exit with 2",
+          "[verify][image][cli]") {
+    const Pair pair;
+    spill(pair.folder / "cut.exr", slurp(pair.image).substr(0, 900));
+    const std::string cut = pair.folder.file("cut.exr");
+    const std::vector<std::pair<std::string, std::string>> table{
+        {"diff none.exr " + pair.golden, "none.exr: no such file"},
+        {"diff " + cut + " " + pair.golden, "cut.exr"},
+        {"diff " + pair.image, "expected the golden image"},
+        {"diff " + pair.image + " " + pair.folder.path().string(), "found a folder"},
+        {"diff " + pair.image + " " + pair.golden + " --isolated", "for captures"},
+        {"diff " + pair.image + " " + pair.golden + " --false-alarm 2", "--false-alarm"},
+        {"diff " + pair.image + " " + pair.golden + " --tolerance -1", "--tolerance"},
+        {"diff some.capture other.capture --tolerance 0.1", "for images"},
+        {"diff some.capture other.capture --heavy-tailed", "for images"},
+        {"bench gates --spp 1", "one sample has no variance"}};
+    for (const auto& [arguments, expected] : table) {
+        const Result result = scotty_here(arguments);
+        INFO("scotty " << arguments << "\n" << result.err);
+        CHECK(result.exit_code == 2);
+        CHECK_THAT(result.err, Contains(expected));
+        CHECK(result.out.empty());
+    }
+}
+
+TEST_CASE("scotty diff: other sizes are a verdict, not an error", "[verify][image][cli]") {
+    const Pair pair;
+    verify::write_measured_image(smooth_image(24, 32), pair.image);
+    const Result result = pair.diff("--heatmap " + pair.folder.file("z.png"));
+    CHECK(result.exit_code == 1);
+    CHECK_THAT(result.out, Contains("by the layout gate") && Contains("24x32"));
+    CHECK_THAT(result.err, Contains("is not written"));
+}
+
+TEST_CASE("scotty bench gates: power and false alarms as a table and as clean JSON",
+          "[verify][image][cli]") {
+    const std::string quick = "bench gates --size 32x32 --spp 32 --trials 2";
+    const Result text = scotty_here(quick);
+    CHECK(text.exit_code == 0);
+    CHECK_THAT(text.out, Contains("+1 % radiance") && Contains("mirrored") && Contains("should"));
+    const Result json = scotty_here(quick + " --json -");
+    const auto report = nlohmann::json::parse(json.out);
+    CHECK(report["trials"] == 2);
+    CHECK(report["samples"] == 32);
+    const auto& rows = report["rows"];
+    CHECK(rows.size() == 13);
+    CHECK(rows[0]["rejected_by_any"] == 0);
+    CHECK(rows[4]["fault"] == "a NaN");
+    CHECK(rows[4]["rejected"]["finite"] == 2);
+    CHECK(rows[7]["rejected"]["tile"] == 2);
+}
+
+}  // namespace

@@ -1,0 +1,1 @@
+#include "gpu/host/device_scene.cu"

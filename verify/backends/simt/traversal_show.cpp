@@ -1,0 +1,1 @@
+#include "gpu/host/traversal_show.cu"

@@ -1,0 +1,32 @@
+/// Numbers that JSON has no words for.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "reference/contract/records.h"
+#include "reference/contract/stage_observer.h"
+
+namespace scotty::verify {
+
+/// One that is not finite is the string "NaN", "Infinity" or "-Infinity".
+inline nlohmann::ordered_json json_number(double value) {
+    if (std::isfinite(value)) return value;
+    if (std::isnan(value)) return "NaN";
+    return value > 0.0 ? "Infinity" : "-Infinity";
+}
+/// Null where there is none.
+inline nlohmann::ordered_json json_number(const std::optional<float>& value) {
+    return value ? json_number(static_cast<double>(*value)) : nlohmann::ordered_json(nullptr);
+}
+
+/// Of a node, ray, level or the like: null where it says that there is none.
+inline nlohmann::ordered_json json_id(std::uint32_t value) {
+    static_assert(reference::kNone == reference::kNotApplicable);
+    return value == reference::kNone ? nlohmann::ordered_json(nullptr)
+                                     : nlohmann::ordered_json(value);
+}
+
+}  // namespace scotty::verify

@@ -1,0 +1,55 @@
+/// Reads captures: stages of a run with the buffers that went in and came out.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+#include "reference/contract/owned_buffer.h"
+#include "reference/contract/stage_observer.h"
+#include "verify/capture/capture_format.h"
+
+namespace scotty::verify {
+
+/// A stage with memory of its own. Movable: the views stay valid.
+struct LoadedStage {
+    reference::StageView view;
+    std::deque<reference::OwnedBuffer> buffers;  ///< what the view's buffers point into
+
+    void add_input(reference::OwnedBuffer buffer);
+    void add_output(reference::OwnedBuffer buffer);
+};
+
+class Capture {
+ public:
+    /// Throws bad_input naming file and element: no such directory, no capture, another version,
+    /// an index that is cut short or not as docs/captures.md says. Buffers are read later.
+    static Capture open(const std::filesystem::path& directory);
+
+    const std::filesystem::path& directory() const { return directory_; }
+    const CaptureHeader& header() const { return index_.header; }
+    const std::vector<StageRecord>& stages() const { return index_.stages; }
+    /// Null where there is no such stage.
+    const StageRecord* find(std::string_view name) const;
+    /// False where only the index is left: enough to compare by hash.
+    bool has_buffers() const;
+    /// True where a stage of that name was asked for when the capture was made.
+    bool covers(std::string_view name) const;
+
+    /// Throws bad_input naming file, stage and buffer: missing, another type, shape or hash than
+    /// the index says.
+    reference::OwnedBuffer load(const StageRecord& stage, const BufferRecord& buffer) const;
+    /// All buffers of a stage.
+    LoadedStage load(const StageRecord& stage) const;
+
+ private:
+    std::filesystem::path directory_;
+    CaptureIndex index_;
+};
+
+/// The record's place and sizes as a view without buffers.
+reference::StageView bare_view(const StageRecord& stage);
+
+}  // namespace scotty::verify

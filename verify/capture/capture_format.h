@@ -1,0 +1,110 @@
+/// A capture's index: what its JSON says about parameters, scene and stages (docs/captures.md).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "reference/contract/pipeline_parameters.h"
+#include "reference/contract/stage_observer.h"
+
+namespace scotty::verify {
+
+inline constexpr const char* kCaptureFormat = "cuda-scotty-capture";
+inline constexpr const char* kInputFormat = "cuda-scotty-input";
+inline constexpr int kCaptureVersion = 1;
+inline constexpr const char* kIndexFile = "index.json";
+inline constexpr const char* kInputFolder = "input";
+
+/// What about a buffer's bytes the contract fixes.
+enum class BufferOrder {
+    ordered,  ///< every byte
+    queue,    ///< per node, the set of ids in the used part of its region
+    hit_list  ///< per ray, the set of its first min(count, capacity) hits
+};
+const char* to_string(BufferOrder order);
+/// Of a buffer by its name.
+BufferOrder order_of(std::string_view buffer);
+
+struct BufferRecord {
+    std::string name;
+    reference::ElementType type = reference::ElementType::uint32;
+    std::vector<std::size_t> shape;
+    std::string meaning;
+    BufferOrder order = BufferOrder::ordered;
+    std::string file;            ///< within the capture: "buffers/0123456789abcdef.npy"
+    std::string hash;            ///< XXH64 of the bytes
+    std::string canonical_hash;  ///< of the canonical form: equal where the order was free
+};
+
+struct StageRecord {
+    std::string name;
+    reference::StageKind kind = reference::StageKind::primary_rays;
+    std::uint32_t launch = 0;
+    std::uint32_t batch = 0;
+    std::uint32_t bounce = reference::kNotApplicable;
+    std::uint32_t light = reference::kNotApplicable;
+    std::uint32_t level = reference::kNotApplicable;
+    std::uint32_t blocks = 0;
+    std::uint32_t threads = 0;
+    std::vector<BufferRecord> inputs;
+    std::vector<BufferRecord> outputs;
+
+    /// Null where there is no such buffer.
+    const BufferRecord* input(std::string_view buffer) const;
+    const BufferRecord* output(std::string_view buffer) const;
+};
+
+/// What a capture is of. Whoever runs a pipeline fills it in.
+struct CaptureHeader {
+    std::string backend;  ///< "emulator", "simt", "cuda"; "none": only an input
+    reference::PipelineParameters parameters;
+    std::string scene_name;
+    std::string scene_source;
+    std::uint64_t scene_fingerprint = 0;
+    std::uint64_t bvh_fingerprint = 0;
+    int bvh_width = 0;
+    std::uint32_t bvh_levels = 0;
+    bool several_batches = false;       ///< the writer sets it from the stages' names
+    std::vector<std::string> patterns;  ///< which stages were asked for; empty: all
+};
+
+struct CaptureIndex {
+    CaptureHeader header;
+    std::vector<StageRecord> stages;
+};
+
+nlohmann::ordered_json to_json(const CaptureIndex& index);
+/// Throws bad_input naming `file` and the element.
+CaptureIndex parse_index(const std::filesystem::path& file, const nlohmann::json& object);
+
+/// Every field by its name; enumerations as their words.
+nlohmann::ordered_json to_json(const reference::PipelineParameters& parameters);
+/// Throws bad_input naming `where` and the field; the result has been validated.
+reference::PipelineParameters parse_parameters(const std::string& where,
+                                               const nlohmann::json& object);
+
+/// The whole file as JSON; throws bad_input naming it.
+nlohmann::json read_json(const std::filesystem::path& file);
+/// Throws bad_input unless `object` says that format and version.
+void expect_format(const std::filesystem::path& file, const nlohmann::json& object,
+                   const char* format, int expected_version = kCaptureVersion);
+
+/// A member of a JSON object; throws bad_input naming `where` and the member.
+const nlohmann::json& member(const std::string& where, const nlohmann::json& object,
+                             const char* name);
+std::uint64_t unsigned_member(const std::string& where, const nlohmann::json& object,
+                              const char* name, std::uint64_t most);
+std::string text_member(const std::string& where, const nlohmann::json& object, const char* name);
+/// 16 hexadecimal digits.
+std::uint64_t hex_member(const std::string& where, const nlohmann::json& object, const char* name);
+
+/// The kernels that read one level's queues and write the next's: intersect_root and intersect.
+bool is_level_kernel(reference::StageKind kind);
+/// Every stage kind, in declaration order.
+const std::vector<reference::StageKind>& all_stage_kinds();
+
+}  // namespace scotty::verify

@@ -1,0 +1,67 @@
+/// Writes the stages of a run as they happen.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "reference/contract/stage_observer.h"
+#include "verify/capture/capture_format.h"
+
+namespace scotty::verify {
+
+/// A directory that appears whole or not at all: written under a name of its own beside the
+/// target, and renamed by finish(). An existing target is replaced only where it is a capture or
+/// empty.
+class ReplacedDirectory {
+ public:
+    /// Throws bad_input naming the target where it is something else, or cannot be made.
+    explicit ReplacedDirectory(const std::filesystem::path& target);
+    /// Removes what was written unless finish() has been called.
+    ~ReplacedDirectory();
+    ReplacedDirectory(const ReplacedDirectory&) = delete;
+    ReplacedDirectory& operator=(const ReplacedDirectory&) = delete;
+
+    const std::filesystem::path& path() const { return partial_; }  ///< where to write
+    void finish();
+
+ private:
+    void expect_replaceable() const;
+
+    std::filesystem::path target_, partial_;
+    bool finished_ = false;
+};
+
+/// Observer that writes every stage shown to it into a capture.
+///
+/// Buffers go to disk at once, named by their content, so that the output of one stage and the
+/// input of the next are one file and nothing piles up in memory.
+class CaptureWriter : public reference::StageObserver {
+ public:
+    /// `patterns`: stages whose name matches one of them (stage_matches); none: all.
+    /// Throws bad_input where the directory cannot be made or must not be replaced.
+    CaptureWriter(const std::filesystem::path& directory, CaptureHeader header,
+                  std::vector<std::string> patterns = {});
+
+    void on_stage(const reference::StageView& stage) override;
+    /// What was recorded of the traversal that is run again is dropped.
+    void on_retry(std::string_view stage, std::string_view reason) override;
+
+    /// Where write_pipeline_input() puts what makes the capture replayable.
+    std::filesystem::path input_folder() const { return directory_.path() / kInputFolder; }
+    std::size_t stage_count() const { return index_.stages.size(); }
+
+    /// Writes the index and moves the capture to its place. Nothing is there before.
+    void finish();
+
+ private:
+    BufferRecord store(const reference::StageView& stage, const reference::BufferView& buffer,
+                       bool output);
+    void remove_unreferenced() const;
+
+    ReplacedDirectory directory_;
+    CaptureIndex index_;
+};
+
+}  // namespace scotty::verify

@@ -1,0 +1,46 @@
+/// scotty list: the built-in scenes.
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "scenes/scenes.h"
+#include "verify/commands/command.h"
+
+namespace scotty::verify {
+
+void add_list_command(CLI::App& app, Action& action) {
+    auto* command = app.add_subcommand("list", "List the built-in scenes and their parameters.");
+    command->footer(
+        "Examples:\n"
+        "  scotty list\n"
+        "  scotty list --json\n"
+        "  scotty render blob:triangles=1000000 -o blob.png    a built-in with parameters");
+    auto json = std::make_shared<bool>(false);
+    command->add_flag("--json", *json, "as JSON");
+    command->callback([&action, json] {
+        action = [json] {
+            if (*json) {
+                nlohmann::json scenes = nlohmann::json::array();
+                for (const scenes::BuiltIn& scene : scenes::built_in_scenes()) {
+                    scenes.push_back({{"name", scene.name},
+                                      {"parameters", scene.parameters},
+                                      {"description", scene.description}});
+                }
+                print_result(scenes.dump(2));
+                return kExitPassed;
+            }
+            std::string text;
+            for (const scenes::BuiltIn& scene : scenes::built_in_scenes()) {
+                text += fmt::format("{:<10} {}\n", scene.name, scene.description);
+                if (!scene.parameters.empty())
+                    text += fmt::format("{:<10} {}:{}\n", "", scene.name, scene.parameters);
+            }
+            text += "\nor the path of a .dae, .obj, .ply, .gltf or .glb file\n";
+            print_result(text);
+            return kExitPassed;
+        };
+    });
+}
+
+}  // namespace scotty::verify

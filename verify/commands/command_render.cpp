@@ -1,0 +1,215 @@
+/// scotty render: one scene to one image file.
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <tbb/global_control.h>
+
+#include <chrono>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "reference/base/error.h"
+#include "reference/contract/wide_bvh.h"
+#include "reference/truth/embree_renderer.h"
+#include "reference/truth/tracers.h"
+#include "scenes/scenes.h"
+#include "verify/backends/backend.h"
+#include "verify/base/progress.h"
+#include "verify/commands/command.h"
+#include "verify/commands/options.h"
+#include "verify/images/image_file.h"
+#include "verify/render/tev_display.h"
+#include "verify/render/watched_render.h"
+
+namespace scotty::verify {
+namespace {
+
+using reference::Image;
+using reference::StageView;
+
+struct RenderOptions {
+    std::string scene;
+    BackendChoice backend;
+    RenderOutput output;
+    bool progressive = false;
+    std::size_t threads = 0;
+    reference::PipelineParameters parameters;
+};
+
+/// Says which launch is running. Wants one cheap stage kind a bounce, so that nothing is prepared
+/// for it that is not shown.
+class ProgressObserver : public reference::StageObserver {
+ public:
+    ProgressObserver(Progress& progress, const reference::PipelineParameters& p)
+        : progress_(progress) {
+        const std::uint64_t paths = std::uint64_t{p.image_width} * p.image_height * p.spp;
+        batches_ = (paths + p.batch_rays - 1) / p.batch_rays;
+    }
+    bool wants(reference::StageKind kind) const override {
+        return kind == reference::StageKind::scan_counts ||
+               kind == reference::StageKind::scene_rays;
+    }
+    void on_stage(const StageView& stage) override {
+        progress_.show(fmt::format("rendering: batch {} of about {}, {}", stage.batch + 1, batches_,
+                                   stage.name));
+    }
+
+ private:
+    Progress& progress_;
+    std::uint64_t batches_;
+};
+
+/// Embree's paths as one more back end, for pictures only.
+Backend embree(std::size_t threads) {
+    Backend backend;
+    backend.name = "embree";
+    backend.render = [threads](const PipelineInput& input, reference::StageObserver* observer) {
+        const reference::EmbreeTracer tracer(input.scene);
+        return render_with_embree(input.scene, input.parameters, tracer, threads, observer);
+    };
+    return backend;
+}
+
+Image render(const Backend& backend, const PipelineInput& input) {
+    Progress progress;
+    if (backend.name == "embree") {
+        progress.show("rendering with Embree");
+        return backend.render(input, nullptr);
+    }
+    ProgressObserver observer(progress, input.parameters);
+    return backend.render(input, &observer);
+}
+
+void warn_of_filter(const RenderOptions& options) {
+    const reference::PipelineParameters& p = options.parameters;
+    if (p.filter == reference::Filter::none) return;
+    if (options.backend.name == "embree") {
+        spdlog::warn("--filter is the pipeline's and is not applied by the Embree backend");
+    } else if (p.spp >= p.filter_threshold && !options.progressive) {
+        spdlog::warn(
+            "--filter {} is not applied: {} samples a pixel are not below the threshold "
+            "of {} (--filter-threshold)",
+            to_string(p.filter), p.spp, p.filter_threshold);
+    }
+}
+
+int run_render(RenderOptions options) {
+    const auto start = std::chrono::steady_clock::now();
+    reference::PipelineParameters& p = options.parameters;
+    if (!options.output.display.empty()) {
+        parse_display(options.output.display);
+        options.progressive = true;
+    }
+    if (!options.progressive) p.samples_per_pass = 0;
+    reference::validate(p);
+    check_image_path(options.output.file);
+    const bool by_embree = options.backend.name == "embree";
+    const Backend backend =
+        by_embree ? embree(options.threads) : chosen_backend(options.backend, options.threads, p);
+    if (!by_embree) expect_arithmetic(backend, p);
+    std::optional<tbb::global_control> limit;
+    if (options.threads != 0) {
+        limit.emplace(tbb::global_control::max_allowed_parallelism, options.threads);
+    }
+    PipelineInput input{scenes::load_scene(options.scene), {}, {}};
+    for (const std::string& warning : input.scene.warnings) spdlog::warn("{}", warning);
+    warn_of_filter(options);
+    if (by_embree) {
+        p.filter = reference::Filter::none;
+    } else {
+        Progress progress;
+        progress.show("building the BVH");
+        input.bvh = build_wide_bvh(input.scene, bvh_parameters(p, options.threads));
+    }
+    input.parameters = p;
+
+    WatchedRender done;
+    if (options.progressive) {
+        done = render_watched(backend, input, options.output);
+    } else {
+        done.picture = {render(backend, input), p.spp};
+        write_picture(options.output, p, done.picture.image, p.spp);
+    }
+    const auto& [picture, signal] = done;
+    if (picture.samples == 0) {
+        spdlog::warn("stopped ({}) before the first pass was complete: {} was not written",
+                     strsignal(signal), options.output.file);
+        return kExitStopped + signal;
+    }
+    spdlog::info("{}: {} triangles, {}x{} pixels, {} samples, {}, {:.1f} s", options.output.file,
+                 input.scene.triangles.size(), picture.image.width, picture.image.height,
+                 picture.samples, backend.name,
+                 std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    if (signal == 0) return kExitPassed;
+    spdlog::warn("stopped ({}) after {} of {} samples: {} is a whole image of {} samples",
+                 strsignal(signal), picture.samples, p.spp, options.output.file, picture.samples);
+    return kExitStopped + signal;
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& app, Action& action) {
+    auto* command = app.add_subcommand("render", "Render a scene to an .exr or .png file.");
+    command->footer(
+        "Examples:\n"
+        "  scotty render coil -o coil.png --size 640x400 --spp 16\n"
+        "  scotty render CBspheres.dae -o spheres.exr --backend embree\n"
+        "  scotty render spheres -o smooth.png --filter median --exposure 1\n"
+        "  scotty render coil -o coil.exr --spp 4096 --progressive           # Ctrl-C when it is "
+        "good\n"
+        "  scotty render coil -o coil.exr --spp 4096 --display localhost:14158\n\n"
+        "EXR holds linear radiance in float32, and the samples a pixel; PNG holds 8-bit sRGB of "
+        "radiance * 2^exposure.\n\n"
+        "A progressive render is the same picture, bit for bit. Ctrl-C (or SIGTERM) ends it at the "
+        "next launch: FILE then holds the last pass that every pixel had, which is the picture of "
+        "that many --spp, and the exit code is 130 (143). A second Ctrl-C ends it at once; FILE is "
+        "whole even so. --filter applies as long as there are fewer samples than "
+        "--filter-threshold.");
+    auto options = std::make_shared<RenderOptions>();
+    options->parameters.samples_per_pass = 1;
+    command->add_option("scene", options->scene, "a built-in scene (scotty list) or a file")
+        ->required();
+    command->add_option("-o,--output", options->output.file, "the .exr or .png file to write")
+        ->required();
+    add_backend_options(*command, options->backend,
+                        "who traces the rays: emulator, embree, simt or cuda", true);
+    command->add_option("--exposure", options->output.exposure, "PNG: brightness in powers of two")
+        ->check(CLI::Range(-64.0f, 64.0f))
+        ->capture_default_str();
+    auto* progressive =
+        command->add_flag("--progressive", options->progressive,
+                          "refine the whole image pass by pass, and write it about once a second");
+    command
+        ->add_option("--samples-per-pass", options->parameters.samples_per_pass,
+                     "--progressive: samples a pixel gets before all others have theirs; more are "
+                     "quicker where the image is small")
+        ->check(CLI::PositiveNumber)
+        ->needs(progressive)
+        ->capture_default_str();
+    command
+        ->add_option("--display", options->output.display,
+                     "show the image in the viewer tev, running there (port 14158 unless given); "
+                     "implies --progressive")
+        ->type_name("HOST:PORT");
+    command
+        ->add_option_function<std::string>(
+            "--filter",
+            [options](const std::string& word) {
+                options->parameters.filter = reference::parse_filter(word);
+            },
+            "smooth a noisy image [none]")
+        ->type_name("none|gaussian|bilateral|median");
+    command
+        ->add_option("--filter-threshold", options->parameters.filter_threshold,
+                     "a filter is applied only below so many samples a pixel")
+        ->capture_default_str();
+    add_thread_option(*command, options->threads);
+    add_picture_options(*command, options->parameters);
+    add_pipeline_options(*command, options->parameters);
+    add_arithmetic_option(*command, options->parameters);
+    command->callback([&action, options] { action = [options] { return run_render(*options); }; });
+}
+
+}  // namespace scotty::verify

@@ -1,0 +1,289 @@
+/// scotty verify: is the pipeline right, on which scenes, in which configurations?
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "emulation/check/memory_checker.h"
+#include "reference/base/error.h"
+#include "reference/base/write_file.h"
+#include "scenes/scenes.h"
+#include "verify/backends/backend.h"
+#include "verify/base/progress.h"
+#include "verify/capture/capture_format.h"
+#include "verify/capture/npy.h"
+#include "verify/commands/command.h"
+#include "verify/commands/options.h"
+#include "verify/commands/report_outputs.h"
+#include "verify/golden/verify_golden.h"
+#include "verify/report/report.h"
+#include "verify/report/report_file.h"
+#include "verify/sweep/verify.h"
+
+namespace scotty::verify {
+namespace {
+
+struct VerifyOptions {
+    std::vector<std::string> scenes;
+    VerifySettings settings;
+    BackendChoice backend;
+    ReportOutputs outputs;
+    std::string folder;
+    bool require_gpu = false;
+    bool no_golden = false;
+    bool only_golden = false;
+    std::string golden;
+    std::string shard;
+    std::string command_line;
+
+    /// The golden files are of whole scenes: not asked where some configurations or stages are. The
+    /// exact tier would take minutes for what its comparison with the emulator says bit by bit.
+    bool asks_golden() const {
+        if (only_golden) return true;
+        return !no_golden && backend.name != "simt" && !settings.filter.restricts() &&
+               settings.stage_pattern.empty();
+    }
+};
+
+/// What a sweep was asked for, by which its parts know each other.
+nlohmann::ordered_json sweep_of(const VerifyOptions& options,
+                                const std::vector<reference::Scene>& scenes) {
+    const VerifySettings& settings = options.settings;
+    nlohmann::ordered_json sweep{{"version", SCOTTY_VERSION},
+                                 {"backend", options.backend.name},
+                                 {"check", options.backend.check},
+                                 {"plant", options.backend.plant},
+                                 {"stage", settings.stage_pattern},
+                                 {"oracles", settings.oracles},
+                                 {"brute_force", settings.brute_force_tests},
+                                 {"schedules", settings.schedules},
+                                 {"golden", options.asks_golden()},
+                                 {"only_golden", options.only_golden}};
+    for (const Configuration& configuration : all_configurations(settings)) {
+        sweep["configurations"].push_back(configuration.options());
+    }
+    sweep["parameters"] = verify::to_json(settings.parameters);
+    for (const reference::Scene& scene : scenes) {
+        sweep["scenes"].push_back({scene.source, hex_text(fingerprint(scene))});
+    }
+    return sweep;
+}
+
+void write_reports(const VerifyOptions& options, const Report& report,
+                   const std::optional<ReportPart>& part) {
+    if (!options.folder.empty()) {
+        reference::write_file(options.folder + "/verify.json", to_json(report).dump(2) + "\n");
+        reference::write_file(options.folder + "/verify.junit.xml", to_junit(report));
+        reference::write_file(options.folder + "/verify.html", to_html(report));
+        spdlog::info("report: {}/verify.html", options.folder);
+    }
+    write_report(options.outputs, report, part ? part_json(*part) : to_json(report));
+}
+
+GoldenSettings golden_settings(const VerifyOptions& options, std::size_t first_unit) {
+    GoldenSettings golden;
+    golden.folder = options.golden;
+    golden.scenes = options.scenes;
+    golden.threads = options.settings.threads;
+    golden.has_unit = options.settings.has_unit;
+    golden.first_unit = first_unit;
+    return golden;
+}
+
+void judge_golden_files(const VerifyOptions& options, GoldenSettings golden, Report& report) {
+    Progress progress;
+    golden.progress = [&](const std::string& name, std::size_t done, std::size_t total) {
+        progress.show(fmt::format("golden image {} of {}: {}", done + 1, total, name));
+    };
+    const auto device = Configuration{options.settings.parameters}.device(options.settings.threads);
+    verify_golden(golden, backend_named(options.backend.name, device), report);
+    progress.clear();
+    if (options.only_golden && units_of_golden(golden) == 0 && report.golden_failures.empty()) {
+        throw reference::Error::bad_input(
+            "--only-golden",
+            "none of these scenes has a golden image; scotty golden check says "
+            "which there are");
+    }
+    if (report.images.empty()) return;
+    spdlog::info("golden images: {}, false alarms of all of them together: {:g}",
+                 report.images.size(), report.false_alarm);
+}
+
+int run_verify(VerifyOptions& options) {
+    const auto start = std::chrono::steady_clock::now();
+    const auto seconds = [&] {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    };
+    // Everything that can be wrong with the command line, before minutes of work.
+    if (options.require_gpu) backend_named("cuda", options.settings.threads);
+    chosen_backend(options.backend, options.settings.threads, options.settings.parameters);
+    options.settings.backend = options.backend.name;
+    options.settings.check = options.backend.check;
+    options.settings.plant = options.backend.plant;
+    reference::validate(options.settings.parameters);
+    configurations(options.settings.parameters, options.settings.filter);
+    if (options.scenes.empty()) {
+        for (const auto& scene : scenes::built_in_scenes()) options.scenes.push_back(scene.name);
+    }
+    // A run is known by its scene and number, in reports and between shards.
+    for (auto scene = options.scenes.begin(); scene != options.scenes.end(); ++scene) {
+        if (std::find(options.scenes.begin(), scene, *scene) == scene) continue;
+        throw reference::Error::bad_input(*scene, "is named twice; once is enough");
+    }
+    std::vector<reference::Scene> loaded;
+    for (const std::string& scene : options.scenes) loaded.push_back(scenes::load_scene(scene));
+
+    // Runs are numbered over the whole sweep, scene after scene, then the golden images.
+    const Shard shard = parse_shard(options.shard);
+    const std::size_t each = options.only_golden ? 0 : units_of_scene(options.settings);
+    const std::size_t first_golden = each * loaded.size();
+    const std::size_t units =
+        first_golden +
+        (options.asks_golden() ? units_of_golden(golden_settings(options, first_golden)) : 0);
+    if (!options.shard.empty()) {
+        options.settings.has_unit = [=](std::size_t unit) { return shard.has(unit, units); };
+    }
+
+    Report report;
+    report.parameters = options.settings.parameters;
+    report.threads = options.settings.threads != 0
+                         ? options.settings.threads
+                         : static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+    report.backend = options.settings.backend;
+    report.command = options.command_line;
+    for (std::size_t i = 0; i < loaded.size() && !options.only_golden; ++i) {
+        for (const std::string& warning : loaded[i].warnings) {
+            spdlog::warn("{}: {}", options.scenes[i], warning);
+        }
+        options.settings.first_unit = i * each;
+        Progress progress;
+        options.settings.progress = [&](const std::string& what, std::size_t done,
+                                        std::size_t total) {
+            progress.show(fmt::format("scene {} of {}: {}, {} of {}: {}", i + 1, loaded.size(),
+                                      loaded[i].name, done + 1, total, what));
+        };
+        SceneReport scene = verify_scene(loaded[i], options.settings);
+        progress.clear();
+        if (scene.configurations.empty()) continue;  // all of it is other shards'
+        spdlog::info("{}: {} configurations, {} rays, {:.1f} s: {}", scene.scene,
+                     scene.configurations.size(), scene.rays(), scene.seconds,
+                     scene.passed() ? "passed" : "FAILED");
+        report.scenes.push_back(std::move(scene));
+    }
+    if (options.asks_golden()) {
+        judge_golden_files(options, golden_settings(options, first_golden), report);
+    } else if (options.backend.name == "simt" && !options.no_golden) {
+        spdlog::info(
+            "golden images are not asked of simt, which takes minutes: --only-golden does");
+    }
+    report.seconds = seconds();
+    report.checked = options.backend.check;
+    if (report.checked) {
+        for (const auto& read : emulation::simt::relaxed_meetings()) {
+            report.relaxed_reads.push_back({read.line, read.met});
+        }
+    }
+    if (!options.only_golden && !options.settings.has_unit && report.judged_no_stage()) {
+        throw reference::Error::bad_input(
+            "--stage", fmt::format("no stage's name matches '{}'; names look like "
+                                   "bounce1/light0/level3/intersect (* and ? may stand in)",
+                                   options.settings.stage_pattern));
+    }
+    std::optional<ReportPart> part;
+    if (!options.shard.empty()) part = {shard, units, sweep_of(options, loaded), report};
+    write_reports(options, report, part);
+    return report.passed() ? kExitPassed : kExitFailed;
+}
+
+}  // namespace
+
+void add_verify_command(CLI::App& app, Action& action, const std::string& command_line) {
+    auto* command = app.add_subcommand(
+        "verify",
+        "Check every launch, every hit and the image, in many configurations of the pipeline.");
+    command->footer(
+        "Examples:\n"
+        "  scotty verify                                all built-in scenes, all pairs of values\n"
+        "  scotty verify coil --width 8,16 --early-out level\n"
+        "                                               all combinations of these, pairs of the "
+        "rest\n"
+        "  scotty verify spheres --all                  every combination\n"
+        "  scotty verify spheres --width 8 --rays-per-block 64 --queue-levels 0 --early-out off "
+        "\\\n"
+        "      --hit-mode buffer --block-order linear --shadow-query any --hit-capacity 8 "
+        "--batch-rays 262144 \\\n"
+        "      --schedule linear --stage 'bounce0/level2/*'\n"
+        "                                               one configuration, some of its stages\n"
+        "  scotty verify --backend cuda                 the CUDA pipeline, against the emulator "
+        "too\n"
+        "  scotty verify --json - | jq .passed\n"
+        "  scotty verify --shard 2/8 --json 2.json      one of eight parts, for scotty report\n\n"
+        "Checked are invariants after every launch; the hits of every traversal against brute\n"
+        "force (bit for bit) and Embree (differences adjudicated); every configuration against "
+        "the\n"
+        "baseline (bit for bit); the image against the same paths through Embree; image and stage\n"
+        "ledger of the built-in scenes against golden ones (docs/golden.md).");
+    auto options = std::make_shared<VerifyOptions>();
+    options->command_line = command_line;
+    options->settings.parameters = default_verify_parameters();
+    command->add_option("scenes", options->scenes,
+                        "built-in scenes (scotty list) or files; all built-in ones by default");
+    add_backend_options(*command, options->backend,
+                        "emulator, simt or cuda: whose runs are verified; all but the emulator's "
+                        "are compared with it, launch by launch, too",
+                        false);
+    command->add_flag("--require-gpu", options->require_gpu,
+                      "fail (exit code 3) where there is no CUDA device");
+    add_report_outputs(*command, options->outputs);
+    command
+        ->add_option("--report", options->folder,
+                     "write all three (verify.json, verify.junit.xml, verify.html) to a folder")
+        ->type_name("DIR");
+    command
+        ->add_option("--stage", options->settings.stage_pattern,
+                     "judge only stages of such a name: a part of it, or with * and ? all of it")
+        ->type_name("PATTERN");
+    command->add_flag("!--no-oracles", options->settings.oracles,
+                      "leave out brute force and Embree");
+    command
+        ->add_option("--brute-force", options->settings.brute_force_tests,
+                     "ray-triangle tests a scene for brute force; a subset of the rays beyond it")
+        ->type_name("TESTS")
+        ->capture_default_str();
+    auto* no_golden = command->add_flag("--no-golden", options->no_golden,
+                                        "leave out golden images and ledgers (they are left out, "
+                                        "too, where configurations or stages are selected)");
+    command
+        ->add_flag("--only-golden", options->only_golden,
+                   "nothing but golden images and ledgers (docs/golden.md)")
+        ->excludes(no_golden);
+    command->add_option("--golden", options->golden, "the folder of golden files")
+        ->type_name("DIR");
+    command
+        ->add_option("--schedules", options->settings.schedules,
+                     "run every configuration also under the first N of linear, reversed, strided, "
+                     "adversarial, shuffle:1, shuffle:2, ...: determined results must not differ")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1000000));
+    command
+        ->add_option_function<std::string>(
+            "--filter",
+            [options](const std::string& word) {
+                options->settings.parameters.filter = reference::parse_filter(word);
+            },
+            "smooth the image at the end, and check that [none]")
+        ->type_name("none|gaussian|bilateral|median");
+    add_shard_option(*command, options->shard);
+    add_thread_option(*command, options->settings.threads);
+    add_picture_options(*command, options->settings.parameters);
+    add_filter_options(*command, options->settings.filter);
+    command->callback([&action, options] { action = [options] { return run_verify(*options); }; });
+}
+
+}  // namespace scotty::verify

@@ -1,0 +1,28 @@
+#include "verify/commands/report_outputs.h"
+
+#include "reference/base/write_file.h"
+#include "verify/commands/command.h"
+
+namespace scotty::verify {
+
+void add_report_outputs(CLI::App& command, ReportOutputs& outputs) {
+    command.add_option("--json", outputs.json, "write the report as JSON; - is standard output")
+        ->type_name("FILE");
+    command.add_option("--junit", outputs.junit, "write the report as JUnit XML")
+        ->type_name("FILE");
+    command.add_option("--html", outputs.html, "write the report as one HTML page")
+        ->type_name("FILE");
+}
+
+void write_report(const ReportOutputs& outputs, const Report& report,
+                  const nlohmann::json& as_json) {
+    const bool to_standard_output = outputs.json == "-";
+    if (!outputs.json.empty() && !to_standard_output) {
+        reference::write_file(outputs.json, as_json.dump(2) + "\n");
+    }
+    if (!outputs.junit.empty()) reference::write_file(outputs.junit, to_junit(report));
+    if (!outputs.html.empty()) reference::write_file(outputs.html, to_html(report));
+    print_result(to_standard_output ? as_json.dump(2) : table(report));
+}
+
+}  // namespace scotty::verify

@@ -1,0 +1,105 @@
+/// Shared by the parts of the diff (diff*.cpp).
+#pragma once
+
+#include <cstring>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "reference/contract/wide_bvh.h"
+#include "verify/capture/canonical.h"
+#include "verify/capture/capture.h"
+#include "verify/diff/diff.h"
+
+namespace scotty::verify {
+
+/// What one row of a buffer stands for.
+enum class Row { ray, pixel, node, child_node, none };
+
+struct Field {
+    const char* name;
+    bool is_float;
+};
+/// How a buffer's elements are to be read: rows of fields.
+struct Layout {
+    Row row = Row::none;
+    std::vector<Field> fields{{"", false}};
+};
+/// By the buffer's name; an unknown one has rows of one number without meaning.
+const Layout& layout_of(std::string_view buffer);
+
+/// A value as reports show it: "0x3f800001 (1.00000012)".
+std::string value_text(std::uint32_t bits, bool is_float);
+/// Floats between two: 0 for equal ones, 1 for neighbours, +0 and -0 one apart. None with a NaN.
+std::optional<std::uint64_t> ulps_between(std::uint32_t a, std::uint32_t b);
+
+/// The 4-byte word at an index, as it lies there.
+inline std::uint32_t word_at(const reference::BufferView& buffer, std::size_t index) {
+    std::uint32_t word = 0;
+    std::memcpy(&word, static_cast<const std::byte*>(buffer.data) + 4 * index, sizeof word);
+    return word;
+}
+
+/// Two versions of one buffer.
+struct BufferPair {
+    const reference::StageView& a_stage;
+    const reference::BufferView& a;
+    const reference::StageView& b_stage;
+    const reference::BufferView& b;
+    bool output;
+};
+
+struct Comparison {
+    Verdict verdict = Verdict::identical;
+    std::uint64_t different = 0;
+    // Of the first difference, where there is one.
+    std::size_t row = 0;
+    std::uint32_t entry_ray = reference::kNotApplicable;        ///< queue: the ray that it is about
+    std::uint32_t entry_primitive = reference::kNotApplicable;  ///< hits: the hit's primitive
+    std::string field, a, b, sentence;
+    std::optional<std::uint64_t> ulps;
+    std::optional<std::size_t> word;  ///< of B's buffer: the value that should not be there
+};
+
+Comparison compare_ordered(const BufferPair& pair);
+Comparison compare_queues(const BufferPair& pair);
+Comparison compare_hit_lists(const BufferPair& pair);
+/// Only whether something is hit.
+Comparison compare_occlusion(const BufferPair& pair);
+/// Whichever of the above the buffer's order asks for.
+Comparison compare(const BufferPair& pair);
+
+/// What must be finite and is not; rules by buffer and field in diff_finite.cpp.
+std::optional<NonFinite> find_non_finite(const reference::StageView& stage,
+                                         const reference::BufferView& output);
+
+/// Finds nodes, blocks and pixels from indices.
+class Places {
+ public:
+    /// `bvh` may be null. Both are borrowed.
+    Places(const Capture& capture, const reference::WideBvh* bvh);
+
+    /// Fills in level, node, block, ray, pixel and sample of the pair's first difference.
+    void fill(Divergence& out, const BufferPair& pair, const Comparison& first);
+    /// Pixel and sample of out.ray.
+    void fill_provenance(Divergence& out, std::uint32_t batch);
+
+ private:
+    std::uint32_t node_id(std::uint32_t level, std::size_t position) const;
+    /// The logical block and thread that take a ray of a node of the stage's level.
+    void fill_thread(Divergence& out, const BufferPair& pair, std::uint32_t node);
+    std::uint32_t leaf_node_of(std::uint32_t primitive);
+
+    const Capture& capture_;
+    const reference::WideBvh* bvh_;
+    std::vector<std::uint32_t> leaf_node_;  ///< by primitive; made when first asked for
+    struct Origins {
+        std::vector<std::uint32_t> pixel, sample;
+    };
+    std::map<std::uint32_t, Origins> origins_;  ///< by batch
+};
+
+}  // namespace scotty::verify

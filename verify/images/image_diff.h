@@ -1,0 +1,52 @@
+/// An image file against its golden image: `scotty diff IMAGE GOLDEN`.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "verify/images/image_gates.h"
+#include "verify/images/image_read.h"
+
+namespace scotty::verify {
+
+struct ImageDiffSettings {
+    GateSettings gates;
+    /// Judge by this and not by noise (judge_without_noise).
+    std::optional<double> tolerance;
+    std::uint64_t samples = 0;  ///< a pixel of the image has, where its file does not say; 0: none
+    std::string heat_map;       ///< .png or .exr to write; empty: none
+    /// The same render with other seeds: the image judged is then the mean of all, and its noise
+    /// what they differ by.
+    std::vector<std::string> also;
+};
+
+struct ImageDiff {
+    /// What the verdict rests on; never mixed.
+    enum class Basis { noise, tolerance, bits };
+
+    std::string image_path, golden_path;
+    ReadImage image, golden;
+    ImageDiffSettings settings;
+    Basis basis = Basis::noise;
+    std::string note;  ///< why not by noise, and the way to it; empty where it is
+    ImageVerdict verdict;
+};
+
+/// Reads both and judges: by noise where it is known, else by a stated tolerance, else bit for bit.
+/// Throws bad_input as read_image does, and for a sample count that contradicts the file's.
+ImageDiff diff_images(const std::string& image, const std::string& golden,
+                      const ImageDiffSettings& settings);
+
+/// Largest z of each pixel from 0 to 8, or, where noise is not known, log2 of 1 + units in the last
+/// place from 0 to 24. Layouts must agree. Throws bad_input as write_image does.
+void write_heat_map(const ImageDiff& diff, const std::string& path);
+
+/// Verdict by gate, metrics, worst pixels with their values.
+std::string to_text(const ImageDiff& diff);
+/// Numbers that are not finite are the strings "nan", "inf", "-inf".
+nlohmann::ordered_json to_json(const ImageDiff& diff);
+
+}  // namespace scotty::verify

@@ -1,0 +1,89 @@
+/// The statistical verdict on an image: can it be the same picture as its golden image, but for
+/// noise?
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "verify/images/measured_image.h"
+
+namespace scotty::verify {
+
+/// In the order in which they are asked; a layout or a non-finite value that fails ends the rest.
+enum class Gate {
+    layout,  ///< same width and height, variances where they are needed
+    finite,  ///< no NaN, no infinity, no negative radiance
+    global,  ///< mean of the whole image: sees a bias of a percent
+    tile,    ///< 8x8 tiles by Welch's test: sees a region
+    pixel,   ///< single pixels: sees dots; for light-tailed scenes only
+    equal,   ///< in place of the last three where no noise is known: equal, or within a tolerance
+};
+std::string_view name(Gate gate);
+
+/// How the three statistical gates measure: verify/images/image_noise.h.
+struct GateSettings {
+    /// Probability that an image without a fault fails any gate at all, for one image. Divided
+    /// among gates and, after Sidak, among tiles, pixels and channels.
+    double false_alarm = 1e-4;
+    /// The pixel gate assumes that a mean of so many samples is nearly normal: not so with
+    /// caustics.
+    bool light_tailed = true;
+};
+
+struct GateResult {
+    Gate gate = Gate::layout;
+    bool ran = true;  ///< false: does not apply; `text` says why
+    bool passed = true;
+    double statistic = 0.0;  ///< largest |z| or |t| found
+    double p_value = 1.0;    ///< its two-sided probability, before correction
+    double threshold = 0.0;  ///< p_value below which the gate fails
+    /// The region that the statistic belongs to, in pixels.
+    std::uint32_t x = 0, y = 0, width = 0, height = 0;
+    std::uint32_t channel = 0;
+    std::string text;  ///< one sentence, with the place and both values
+    std::string
+        waiver;  ///< a failure that is let pass for a while: by what (verify/golden/waivers.h)
+
+    bool failed() const { return ran && !passed && waiver.empty(); }
+};
+
+/// What each of `images` images may have, for a run to have `run` altogether (Sidak).
+double false_alarm_per_image(double run, std::uint64_t images);
+
+/// Shown beside a verdict, never judged by; NaN where an image is not finite or layouts differ.
+struct ImageMetrics {
+    double flip = 0.0;      ///< mean of the LDR-FLIP map, 0 to 1 (Andersson et al. 2020)
+    double rel_mse = 0.0;   ///< mean of (a - b)^2 / (b^2 + 0.01)
+    double psnr = 0.0;      ///< in dB, of the sRGB-encoded images; infinity where they are equal
+    double max_ulps = 0.0;  ///< largest distance in float32 units in the last place
+};
+
+struct WorstPixel {
+    std::uint32_t x = 0, y = 0;
+    double z = 0.0;  ///< largest over channels; 0 where variances are not known
+    double ulps = 0.0;
+    Color image{}, golden{};
+};
+
+struct ImageVerdict {
+    std::vector<GateResult> gates;
+    ImageMetrics metrics;
+    std::vector<WorstPixel> worst;            ///< worst first, at most 10
+    bool passed() const;                      ///< every gate that ran, or it is waived
+    const GateResult* first_failure() const;  ///< null where none
+};
+
+/// A variance that is missing on one side follows from the other's where both say their samples.
+/// Never throws for a bad image: that is the layout or the finite gate's finding.
+ImageVerdict judge_image(const MeasuredImage& image, const MeasuredImage& golden,
+                         const GateSettings& settings);
+
+/// The same where neither image knows its noise: layout, finite, and `equal`. A tolerance of 0
+/// means the same bits; otherwise values may be off by that share of the larger of both, or of the
+/// golden image's mean where that is more.
+ImageVerdict judge_without_noise(const MeasuredImage& image, const MeasuredImage& golden,
+                                 double tolerance);
+
+}  // namespace scotty::verify

@@ -1,0 +1,27 @@
+/// Any image file, ours or not, as linear radiance.
+#pragma once
+
+#include <string>
+
+#include "verify/images/image_file.h"
+#include "verify/images/measured_image.h"
+
+namespace scotty::verify {
+
+struct ReadImage {
+    MeasuredImage image;
+    ImageAttributes attributes;  ///< those whose names begin with "scotty:", numbers as text
+    std::string encoding;        ///< "float", "half", "uint8": what the file holds
+};
+
+/// Reads whatever OpenImageIO reads, channels by name: R, G, B, or Y alone for grey; variance.R,
+/// variance.G, variance.B where a file has them; all others, alpha too, are left. Integers are
+/// taken to be sRGB unless the file says that they are linear. Throws bad_input naming the file:
+/// missing, not an image, cut short, other channels, only a part of its picture, deep.
+ReadImage read_image(const std::string& path);
+
+/// Whether a word of the command line means an image and not a capture or a scene: its extension
+/// is an image format's.
+bool is_image_path(const std::string& path);
+
+}  // namespace scotty::verify

@@ -1,0 +1,258 @@
+/// intersect: what leaves have appended to the hits of the rays in their queues; and the minimum.
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+#include "verify/invariants/check_state.h"
+#include "verify/invariants/expected.h"
+
+namespace scotty::verify {
+
+using namespace reference;  // in this file only: records and triangle tests
+
+namespace {
+
+/// What a leaf has to append, or under `immediate` may append, to a ray's hits.
+struct LeafHit {
+    std::uint32_t ray, primitive, node, block;
+    float t;
+    bool required;
+};
+
+/// All leaf hits of a launch, sorted by ray; `first[r]` is where ray r's begin.
+struct LeafHits {
+    std::vector<LeafHit> hits;
+    std::vector<std::uint32_t> first;
+};
+
+LeafHits expected_hits(const CheckState& state, const StageView& stage) {
+    const auto rays = stage.get<Ray>("rays");
+    const auto counts = stage.get<std::uint32_t>("node_counts");
+    const auto offsets = stage.get<std::uint32_t>("queue_offsets");
+    const auto queue = stage.get<std::uint32_t>("queue");
+    const auto minimum = stage.get<float>("minimum");
+    const EarlyOut policy = state.parameters.early_out;
+    const std::uint32_t first_node = state.bvh.level_begins[stage.level];
+    const auto nodes = state.bvh.level_begins[stage.level + 1] - first_node;
+    const bool has_children = stage.level + 1 < state.bvh.level_count();
+    const auto& block_offsets = state.traversal.block_offsets;
+    const auto per_block = static_cast<std::uint32_t>(state.parameters.rays_per_block);
+    tbb::enumerable_thread_specific<std::vector<LeafHit>> found;
+    tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, nodes), [&](const auto& range) {
+        auto& local = found.local();
+        for (std::uint32_t node = range.begin(); node != range.end(); ++node) {
+            const std::uint32_t ref = state.bvh.node_refs[first_node + node];
+            const bool pushes = !is_leaf(ref) && has_children;
+            if (pushes || node >= counts.size() || node >= offsets.size()) continue;
+            for (std::uint32_t p = 0; p < counts[node]; ++p) {
+                const std::size_t at = std::size_t{offsets[node]} + p;
+                // The root's queue is all rays. What is no ray id is check_queues' to tell.
+                const std::uint32_t ray =
+                    stage.level == 0 ? p : (at < queue.size() ? queue[at] : kNone);
+                if (ray >= rays.size()) break;
+                const float limit = ray < minimum.size() ? minimum[ray] : kInfinity;
+                const HitCandidate hit =
+                    is_leaf(ref)
+                        ? closest_in_leaf(state.bvh, state.bvh.leaves[ref_index(ref)], rays[ray])
+                        : hit_of_subtree(state.bvh, ref_index(ref), rays[ray],
+                                         state.traversal.asks_any);
+                if (hit.primitive == kNone) continue;
+                const bool near = !(hit.t > limit);
+                if (!near && policy == EarlyOut::level) continue;
+                const std::uint32_t block =
+                    (node < block_offsets.size() ? block_offsets[node] : 0u) + p / per_block;
+                local.push_back({ray, hit.primitive, first_node + node, block, hit.t, near});
+            }
+        }
+    });
+    LeafHits out;
+    out.first.assign(rays.size() + 1, 0);
+    for (const auto& local : found) {
+        for (const LeafHit& hit : local) ++out.first[hit.ray + 1];
+    }
+    for (std::size_t r = 0; r < rays.size(); ++r) out.first[r + 1] += out.first[r];
+    out.hits.resize(out.first.back());
+    std::vector<std::uint32_t> next(out.first.begin(), out.first.end() - 1);
+    for (const auto& local : found) {
+        for (const LeafHit& hit : local) out.hits[next[hit.ray]++] = hit;
+    }
+    return out;
+}
+
+std::string describe(float t, std::uint32_t primitive) {
+    return fmt::format("primitive {} at t {}", primitive, exact(t));
+}
+
+Failure leaf_failure(const StageView& stage, std::uint32_t ray, const LeafHit* hit,
+                     std::string sentence) {
+    Failure failure = failure_at(stage, invariant::kLeafHits, std::move(sentence));
+    failure.ray = ray;
+    failure.field = "hits";
+    if (hit != nullptr) {
+        failure.node = hit->node;
+        failure.block = hit->block;
+    }
+    return failure;
+}
+
+/// The slots that a launch has appended against what its leaves give, as multisets.
+void check_appended(const StageView& stage, std::uint32_t ray, std::span<const LeafHit> expected,
+                    std::span<const HitCandidate> appended, std::vector<Failure>& failures) {
+    std::vector<bool> matched(expected.size(), false);
+    for (const HitCandidate& hit : appended) {
+        std::size_t i = 0;
+        while (i < expected.size() && (matched[i] || expected[i].primitive != hit.primitive ||
+                                       std::bit_cast<std::uint32_t>(expected[i].t) !=
+                                           std::bit_cast<std::uint32_t>(hit.t))) {
+            ++i;
+        }
+        if (i < expected.size()) {
+            matched[i] = true;
+            continue;
+        }
+        Failure failure = leaf_failure(stage, ray, nullptr, "a hit that no leaf of this level has");
+        failure.expected = "no such hit";
+        failure.found = describe(hit.t, hit.primitive);
+        failures.push_back(std::move(failure));
+    }
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+        if (matched[i] || !expected[i].required) continue;
+        Failure failure = leaf_failure(stage, ray, &expected[i], "a leaf's closest hit is missing");
+        failure.expected = describe(expected[i].t, expected[i].primitive);
+        failure.found = fmt::format("{} other hits appended", appended.size());
+        failures.push_back(std::move(failure));
+    }
+}
+
+std::uint64_t pack(const LeafHit& hit) {
+    return std::uint64_t{std::bit_cast<std::uint32_t>(hit.t)} << 32 | hit.primitive;
+}
+
+/// Packed mode: the least of what was there and what the leaves give. Where any hit will do and
+/// the minimum is read while it changes, any of the leaves' hits may have come first.
+void check_packed(const StageView& stage, std::uint32_t ray, std::span<const LeafHit> expected,
+                  std::uint64_t before, std::uint64_t after, bool free_choice,
+                  std::vector<Failure>& failures) {
+    std::uint64_t least = before;
+    bool is_candidate = after == before && (before != kNoPacked || expected.empty());
+    const LeafHit* winner = nullptr;
+    for (const LeafHit& hit : expected) {
+        is_candidate = is_candidate || (pack(hit) == after && after < before);
+        if (pack(hit) < least) {
+            least = pack(hit);
+            winner = &hit;
+        }
+    }
+    if (after == least || (free_choice && is_candidate)) return;
+    const auto shown = [](std::uint64_t packed) {
+        return packed == kNoPacked ? std::string("no hit") : fmt::format("{:#018x}", packed);
+    };
+    Failure failure = leaf_failure(stage, ray, winner, "not the closest of the leaves' hits");
+    failure.field = fmt::format("packed_hits[{}]", ray);
+    failure.expected = shown(least);
+    failure.found = shown(after);
+    failures.push_back(std::move(failure));
+}
+
+}  // namespace
+
+void check_leaves(CheckState& state, const StageView& stage) {
+    if (stage.level == kNotApplicable || stage.level + 1 >= state.bvh.level_begins.size()) return;
+    const auto rays = stage.get<Ray>("rays");
+    const auto n = static_cast<std::uint32_t>(rays.size());
+    const bool packed_mode = state.parameters.hit_mode == HitMode::packed;
+    // Where the root pushes its rays on it has no hits, and need not show any.
+    const bool root = stage.level == 0;
+    if (root && stage.find(packed_mode ? "packed_hits" : "hit_counts") == nullptr) return;
+    const TraversalState& traversal = state.traversal;
+    const LeafHits expected = expected_hits(state, stage);
+    const auto of_ray = [&](std::uint32_t ray) {
+        return std::span<const LeafHit>(expected.hits)
+            .subspan(expected.first[ray], expected.first[ray + 1] - expected.first[ray]);
+    };
+    std::vector<Failure> failures;
+    std::uint64_t appended_total = 0;
+    if (packed_mode) {
+        const auto packed = expect_buffer<std::uint64_t>(state, stage, "packed_hits", n);
+        const bool free_choice =
+            traversal.asks_any && state.parameters.early_out == EarlyOut::immediate;
+        for (std::uint32_t ray = 0; ray < packed.size(); ++ray) {
+            const std::uint64_t before =
+                ray < traversal.packed.size() && !root ? traversal.packed[ray] : kNoPacked;
+            check_packed(stage, ray, of_ray(ray), before, packed[ray], free_choice, failures);
+        }
+        appended_total = expected.hits.size();
+    } else {
+        const auto counts = expect_buffer<std::uint32_t>(state, stage, "hit_counts", n);
+        const auto hits = stage.get<HitCandidate>("hits");
+        const std::size_t capacity = n == 0 ? 0 : hits.size() / n;
+        for (std::uint32_t ray = 0; ray < counts.size(); ++ray) {
+            const std::uint32_t before =
+                ray < traversal.hit_counts.size() && !root ? traversal.hit_counts[ray] : 0;
+            if (counts[ray] < before || counts[ray] > capacity) {
+                Failure failure =
+                    leaf_failure(stage, ray, nullptr,
+                                 counts[ray] < before ? "hits have vanished"
+                                                      : "more hits than the ray has slots");
+                if (counts[ray] > capacity) failure.invariant = invariant::kSlotWrittenOnce;
+                failure.field = fmt::format("hit_counts[{}]", ray);
+                failure.expected = fmt::format("{}..{}", before, capacity);
+                failure.found = std::to_string(counts[ray]);
+                failures.push_back(std::move(failure));
+                continue;
+            }
+            appended_total += counts[ray] - before;
+            check_appended(stage, ray, of_ray(ray),
+                           hits.subspan(ray * capacity + before, counts[ray] - before), failures);
+        }
+        const bool free_count = state.parameters.early_out == EarlyOut::immediate;
+        if (!free_count && appended_total != expected.hits.size()) {
+            Failure failure = failure_at(stage, invariant::kConservation,
+                                         "the level's leaves found another number of hits than "
+                                         "were appended");
+            failure.field = "hit_counts, summed over this level";
+            failure.expected = std::to_string(expected.hits.size());
+            failure.found = std::to_string(appended_total);
+            failures.push_back(std::move(failure));
+        }
+    }
+    state.counts.leaf_hits += appended_total;
+    state.add_sorted(std::move(failures));
+}
+
+void check_minimum(CheckState& state, const StageView& stage) {
+    const EarlyOut policy = state.parameters.early_out;
+    if (policy == EarlyOut::off) return;
+    const TraversalState& traversal = state.traversal;
+    const auto minimum = expect_buffer<float>(state, stage, "minimum", traversal.rays.size());
+    // Under `level` an intersect launch reads what was published before it, unchanged.
+    const bool unchanged = policy == EarlyOut::level && stage.kind != StageKind::publish_minimum;
+    for (std::size_t ray = 0; ray < minimum.size(); ++ray) {
+        const HitCandidate& best = traversal.best[ray];
+        const float before = traversal.minimum[ray];
+        const bool hit = best.primitive != kNone;
+        const float expected =
+            unchanged ? before : (!hit ? kInfinity : (traversal.asks_any ? -1.0f : best.t));
+        const float found = minimum[ray];
+        // A minimum that lies beyond the ray's end culls nothing, whatever it is.
+        const bool beyond = expected == kInfinity && found >= traversal.rays[ray].t_max;
+        if (found == expected || beyond) continue;
+        Failure failure = failure_at(stage, invariant::kMinimum,
+                                     found > before ? "a ray's minimum has risen"
+                                                    : "not the nearest of the ray's hits so far");
+        failure.ray = static_cast<std::uint32_t>(ray);
+        failure.field = fmt::format("minimum[{}]", ray);
+        failure.expected = exact(expected);
+        failure.found = exact(found);
+        state.add(std::move(failure));
+        return;
+    }
+}
+
+}  // namespace scotty::verify

@@ -1,0 +1,123 @@
+/// What the shading kernels make of a path, vertex by vertex, computed again: the kernels call the
+/// same functions (reference/numerics/path.h), so that what is checked is what they hand to them
+/// and where they put the result.
+#include <fmt/format.h>
+
+#include <cstdint>
+
+#include "reference/numerics/path.h"
+#include "reference/numerics/rng.h"
+#include "verify/base/same_bits.h"
+#include "verify/invariants/check_state.h"
+
+namespace scotty::verify {
+
+using namespace reference;  // in this file only: records and vectors
+
+namespace {
+
+/// One failure at the first ray for which a value is not what it should be.
+class Expectation {
+ public:
+    Expectation(CheckState& state, const StageView& stage) : state_(state), stage_(stage) {}
+
+    template <class T>
+    bool equal(std::size_t ray, const char* field, const T& expected, const T& found) {
+        if (same_bits(expected, found)) return true;
+        Failure failure = failure_at(stage_, invariant::kShading,
+                                     "not what this vertex of the path gives, computed again");
+        failure.ray = static_cast<std::uint32_t>(ray);
+        failure.field = fmt::format("{}[{}]", field, ray);
+        failure.expected = text(expected);
+        failure.found = text(found);
+        state_.add(std::move(failure));
+        return false;
+    }
+
+ private:
+    template <class T>
+    static std::string text(const T& value) {
+        return exact(value);
+    }
+    static std::string text(std::uint32_t value) { return fmt::format("{}", value); }
+
+    CheckState& state_;
+    const StageView& stage_;
+};
+
+/// Whether everything is there that paths of `n` rays have been seen to have.
+bool knows(const PathState& paths, std::size_t n) {
+    return paths.rays.size() == n && paths.throughput.size() == n && paths.pixel.size() == n &&
+           paths.sample.size() == n && paths.flags.size() == n && paths.path_hits.size() == n &&
+           paths.radiance.size() == n;
+}
+
+Random4 random_of(const CheckState& state, std::size_t ray, std::uint32_t bounce,
+                  Dimension dimension, std::uint32_t offset) {
+    return random4(state.parameters.seed, state.paths.pixel[ray], state.paths.sample[ray], bounce,
+                   static_cast<std::uint32_t>(dimension) + offset);
+}
+
+}  // namespace
+
+void check_primary_paths(CheckState& state, const StageView& stage) {
+    const auto rays = stage.get<Ray>("rays");
+    const auto pixel = stage.get<std::uint32_t>("pixel");
+    const auto sample = stage.get<std::uint32_t>("sample");
+    if (pixel.size() != rays.size() || sample.size() != rays.size()) return;
+    const PathParameters parameters = path_parameters(state.parameters);
+    const Camera camera = view_of(state.scene).camera;
+    Expectation expect(state, stage);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const Ray ray = primary_ray(camera, parameters, pixel[i], sample[i]);
+        if (!expect.equal(i, "rays", ray, rays[i])) return;
+    }
+}
+
+void check_light_paths(CheckState& state, const StageView& stage) {
+    const auto shadow = stage.get<Ray>("shadow_rays");
+    const auto potential = stage.get<Vec3>("potential");
+    const PathState& paths = state.paths;
+    if (potential.size() != shadow.size() || !knows(paths, shadow.size())) return;
+    const PathParameters parameters = path_parameters(state.parameters);
+    const SceneView scene = view_of(state.scene);
+    Expectation expect(state, stage);
+    for (std::size_t i = 0; i < shadow.size(); ++i) {
+        DirectLight light{dead_ray(), Vec3(0.0f, 0.0f, 0.0f)};
+        if ((paths.flags[i] & kPathAlive) != 0 && is_hit(paths.path_hits[i])) {
+            light = sample_direct_light(
+                scene, parameters, paths.rays[i], paths.path_hits[i], paths.throughput[i],
+                random_of(state, i, stage.bounce, Dimension::light, stage.light));
+        }
+        if (!expect.equal(i, "shadow_rays", light.shadow, shadow[i])) return;
+        if (!expect.equal(i, "potential", light.potential, potential[i])) return;
+    }
+}
+
+void check_scattered_paths(CheckState& state, const StageView& stage) {
+    const auto rays = stage.get<Ray>("rays");
+    const std::size_t n = rays.size();
+    const auto throughput = stage.get<Vec3>("throughput");
+    const auto radiance = stage.get<Vec3>("radiance");
+    const auto flags = stage.get<std::uint32_t>("flags");
+    const PathState& paths = state.paths;
+    if (throughput.size() != n || radiance.size() != n || flags.size() != n || !knows(paths, n)) {
+        return;
+    }
+    const PathParameters parameters = path_parameters(state.parameters);
+    const SceneView scene = view_of(state.scene);
+    Expectation expect(state, stage);
+    for (std::size_t i = 0; i < n; ++i) {
+        const Scattered next = scatter(scene, parameters, stage.bounce, paths.rays[i],
+                                       paths.path_hits[i], paths.throughput[i], paths.flags[i],
+                                       random_of(state, i, stage.bounce, Dimension::scatter, 0));
+        if (!expect.equal(i, "rays", next.ray, rays[i]) ||
+            !expect.equal(i, "throughput", next.throughput, throughput[i]) ||
+            !expect.equal(i, "radiance", paths.radiance[i] + next.emitted, radiance[i]) ||
+            !expect.equal(i, "flags", next.flags, flags[i])) {
+            return;
+        }
+    }
+}
+
+}  // namespace scotty::verify

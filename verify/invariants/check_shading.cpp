@@ -1,0 +1,239 @@
+/// The stages between traversals: rays are rays, light is added where it may be, pixels are whole.
+#include <fmt/format.h>
+
+#include <cstdint>
+
+#include "verify/base/same_bits.h"
+#include "verify/invariants/check_state.h"
+
+namespace scotty::verify {
+
+using namespace reference;  // in this file only: records and vectors
+
+namespace {
+
+/// Directions are normalised in float: this is 80 units in the last place.
+constexpr float kUnitTolerance = 1.0e-5f;
+
+std::string describe_hit(const Hit& hit) { return exact(hit); }
+
+/// Finite (check_finite tells), and dead or of unit direction.
+void check_ray_records(CheckState& state, const StageView& stage, std::string_view field,
+                       std::span<const Ray> rays) {
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const Ray& ray = rays[i];
+        const float norm = dot(ray.direction, ray.direction);
+        const bool unit = norm > 1.0f - kUnitTolerance && norm < 1.0f + kUnitTolerance;
+        if (is_dead(ray) || (unit && ray.t_min >= 0.0f)) continue;
+        Failure failure = failure_at(stage, invariant::kRayRecord,
+                                     unit ? "a living ray starts behind its origin"
+                                          : "a living ray's direction is not of unit length");
+        failure.ray = static_cast<std::uint32_t>(i);
+        failure.field = fmt::format("{}[{}]", field, i);
+        failure.expected = unit ? "t_min >= 0" : "length 1";
+        failure.found =
+            unit ? exact(ray.t_min) : fmt::format("length {}", exact(length(ray.direction)));
+        state.add(std::move(failure));
+        return;
+    }
+}
+
+void fail_ray(CheckState& state, const StageView& stage, const char* tag, std::size_t ray,
+              std::string field, std::string sentence, std::string expected, std::string found) {
+    Failure failure = failure_at(stage, tag, std::move(sentence));
+    failure.ray = static_cast<std::uint32_t>(ray);
+    failure.field = std::move(field);
+    failure.expected = std::move(expected);
+    failure.found = std::move(found);
+    state.add(std::move(failure));
+}
+
+}  // namespace
+
+void check_primary_rays(CheckState& state, const StageView& stage) {
+    const auto rays = stage.get<Ray>("rays");
+    const std::size_t n = rays.size();
+    const auto throughput = expect_buffer<Vec3>(state, stage, "throughput", n);
+    const auto radiance = expect_buffer<Vec3>(state, stage, "radiance", n);
+    const auto pixel = expect_buffer<std::uint32_t>(state, stage, "pixel", n);
+    const auto sample = expect_buffer<std::uint32_t>(state, stage, "sample", n);
+    const auto depth = expect_buffer<std::uint32_t>(state, stage, "depth", n);
+    const auto flags = expect_buffer<std::uint32_t>(state, stage, "flags", n);
+    if (throughput.size() != n || radiance.size() != n || pixel.size() != n || sample.size() != n ||
+        depth.size() != n || flags.size() != n) {
+        return;
+    }
+    check_ray_records(state, stage, "rays", rays);
+    const std::size_t pixels =
+        std::size_t{state.parameters.image_width} * state.parameters.image_height;
+    auto& samples = state.image.samples;
+    samples.resize(pixels, 0);
+    for (std::size_t i = 0; i < n; ++i) {
+        // Samples of a pixel come in order, within a batch and from batch to batch.
+        const bool known = pixel[i] < pixels;
+        if (!known || sample[i] != samples[pixel[i]] || sample[i] >= state.parameters.spp) {
+            fail_ray(state, stage, invariant::kPixels, i, fmt::format("pixel, sample [{}]", i),
+                     "not the pixel's next sample",
+                     known ? fmt::format("sample {} of pixel {}", samples[pixel[i]], pixel[i])
+                           : fmt::format("a pixel below {}", pixels),
+                     fmt::format("sample {} of pixel {}", sample[i], pixel[i]));
+            return;
+        }
+        ++samples[pixel[i]];
+        if (throughput[i] != Vec3(1.0f) || radiance[i] != Vec3(0.0f) || depth[i] != 0 ||
+            flags[i] != kPathAlive || is_dead(rays[i])) {
+            fail_ray(state, stage, invariant::kPathState, i, fmt::format("path state [{}]", i),
+                     "a path does not start fresh",
+                     "a living ray, throughput 1, radiance 0, depth 0, flags 1",
+                     fmt::format("throughput {}, radiance {}, depth {}, flags {}",
+                                 exact(throughput[i]), exact(radiance[i]), depth[i], flags[i]));
+            return;
+        }
+    }
+}
+
+void check_direct_light_rays(CheckState& state, const StageView& stage) {
+    const auto hits = stage.get<Hit>("path_hits");
+    const std::size_t n = hits.size();
+    const auto shadow = expect_buffer<Ray>(state, stage, "shadow_rays", n);
+    const auto potential = expect_buffer<Vec3>(state, stage, "potential", n);
+    expect_same<Hit>(state, stage, invariant::kHandOver, "path_hits", state.paths.path_hits, hits,
+                     true, "the path's own hits changed since they were merged", describe_hit);
+    check_ray_records(state, stage, "shadow_rays", shadow);
+    for (std::size_t i = 0; i < shadow.size() && i < potential.size(); ++i) {
+        if (!is_hit(hits[i]) && !is_dead(shadow[i])) {
+            fail_ray(state, stage, invariant::kPathState, i, fmt::format("shadow_rays[{}]", i),
+                     "a path that hit nothing asks for light", "a dead ray", exact(shadow[i]));
+            return;
+        }
+        if (is_dead(shadow[i])
+                ? !is_zero(potential[i])
+                : !(potential[i].x >= 0 && potential[i].y >= 0 && potential[i].z >= 0)) {
+            fail_ray(state, stage, invariant::kPathState, i, fmt::format("potential[{}]", i),
+                     "potential radiance is zero without a shadow ray and never negative",
+                     is_dead(shadow[i]) ? "0" : ">= 0", exact(potential[i]));
+            return;
+        }
+    }
+}
+
+void check_resolve_light(CheckState& state, const StageView& stage) {
+    const auto hits = stage.get<Hit>("shadow_hits");
+    const std::size_t n = hits.size();
+    const auto potential = expect_buffer<Vec3>(state, stage, "potential", n);
+    const auto radiance = expect_buffer<Vec3>(state, stage, "radiance", n);
+    const PathState& paths = state.paths;
+    expect_same<Hit>(state, stage, invariant::kHandOver, "shadow_hits", paths.shadow_hits, hits,
+                     true, "the shadow rays' hits changed since they were merged", describe_hit);
+    expect_same<Vec3>(state, stage, invariant::kHandOver, "potential", paths.potential, potential,
+                      true, "the potential radiance changed since the shadow rays were made",
+                      [](const Vec3& value) { return exact(value); });
+    if (paths.radiance.size() != n || paths.shadow_rays.size() != n) return;
+    for (std::size_t i = 0; i < potential.size() && i < radiance.size(); ++i) {
+        const bool lit = !is_hit(hits[i]) && !is_dead(paths.shadow_rays[i]);
+        const Vec3 expected = lit ? paths.radiance[i] + potential[i] : paths.radiance[i];
+        if (same_bits(expected, radiance[i])) continue;
+        fail_ray(state, stage, invariant::kResolveLight, i, fmt::format("radiance[{}]", i),
+                 lit ? "the light is free, but its radiance was not added"
+                     : "something is in the way, but radiance was added",
+                 exact(expected), exact(radiance[i]));
+        return;
+    }
+}
+
+void check_scene_rays(CheckState& state, const StageView& stage) {
+    const auto hits = stage.get<Hit>("path_hits");
+    const std::size_t n = hits.size();
+    const auto rays = expect_buffer<Ray>(state, stage, "rays", n);
+    const auto throughput = expect_buffer<Vec3>(state, stage, "throughput", n);
+    const auto radiance = expect_buffer<Vec3>(state, stage, "radiance", n);
+    const auto flags = expect_buffer<std::uint32_t>(state, stage, "flags", n);
+    if (rays.size() != n || throughput.size() != n || radiance.size() != n || flags.size() != n) {
+        return;
+    }
+    const PathState& paths = state.paths;
+    expect_same<Hit>(state, stage, invariant::kHandOver, "path_hits", paths.path_hits, hits, true,
+                     "the path's own hits changed since they were merged", describe_hit);
+    check_ray_records(state, stage, "rays", rays);
+    const bool last = stage.bounce != kNotApplicable && stage.bounce >= state.parameters.bounces;
+    for (std::size_t i = 0; i < n; ++i) {
+        const bool alive = (flags[i] & kPathAlive) != 0;
+        if (alive == is_dead(rays[i]) || (alive && (!is_hit(hits[i]) || last))) {
+            fail_ray(
+                state, stage, invariant::kPathState, i, fmt::format("flags[{}], rays[{}]", i, i),
+                "a path is alive exactly where its ray is, has hit something and has a "
+                "bounce left",
+                alive ? "a living ray from a hit before the last bounce" : "a dead ray",
+                fmt::format("flags {}, hit: {}, {}", flags[i], exact(hits[i]), exact(rays[i])));
+            return;
+        }
+        const Vec3 before = i < paths.radiance.size() ? paths.radiance[i] : Vec3(0.0f);
+        if (!(radiance[i].x >= before.x && radiance[i].y >= before.y &&
+              radiance[i].z >= before.z)) {
+            fail_ray(state, stage, invariant::kPathState, i, fmt::format("radiance[{}]", i),
+                     "a path has lost radiance", fmt::format(">= {}", exact(before)),
+                     exact(radiance[i]));
+            return;
+        }
+    }
+}
+
+void check_image(CheckState& state, const StageView& stage) {
+    const auto radiance = stage.get<Vec3>("radiance");
+    const auto pixel = expect_buffer<std::uint32_t>(state, stage, "pixel", radiance.size());
+    const std::size_t pixels =
+        std::size_t{state.parameters.image_width} * state.parameters.image_height;
+    const auto image = expect_buffer<Vec3>(state, stage, "image", pixels);
+    if (pixel.size() != radiance.size() || image.size() != pixels) return;
+    expect_same<Vec3>(state, stage, invariant::kHandOver, "radiance", state.paths.radiance,
+                      radiance, true, "the radiance changed after the last bounce",
+                      [](const Vec3& value) { return exact(value); });
+    ImageState& sums = state.image;
+    sums.summed.resize(pixels, 0);
+    sums.sum.resize(pixels, Vec3(0.0f, 0.0f, 0.0f));
+    for (std::size_t i = 0; i < radiance.size(); ++i) {
+        if (pixel[i] >= pixels) return;  // primary_rays has been told
+        sums.sum[pixel[i]] += radiance[i];
+        ++sums.summed[pixel[i]];
+    }
+    // Sums until a pixel has all its samples, then the mean; in sample order, so bit for bit.
+    for (std::size_t p = 0; p < pixels; ++p) {
+        const bool complete = sums.summed[p] == state.parameters.spp;
+        const Vec3 expected =
+            complete ? sums.sum[p] / static_cast<float>(state.parameters.spp) : sums.sum[p];
+        if (same_bits(expected, image[p])) continue;
+        Failure failure = failure_at(stage, invariant::kPixels,
+                                     complete ? "a pixel is not the mean of its samples"
+                                              : "a pixel is not the sum of its samples so far");
+        failure.field = fmt::format("image[{}] (x {}, y {})", p, p % state.parameters.image_width,
+                                    p / state.parameters.image_width);
+        failure.expected = exact(expected);
+        failure.found = exact(image[p]);
+        state.add(std::move(failure));
+        return;
+    }
+}
+
+void follow_shading(CheckState& state, const StageView& stage) {
+    PathState& paths = state.paths;
+    const bool shadow = stage.light != kNotApplicable;
+    if (stage.kind == StageKind::merge_intersections) {
+        (shadow ? paths.shadow_hits : paths.path_hits) = copy_of(stage.get<Hit>("merged"));
+        return;
+    }
+    if (stage.kind == StageKind::direct_light_rays) {
+        paths.shadow_rays = copy_of(stage.get<Ray>("shadow_rays"));
+        paths.potential = copy_of(stage.get<Vec3>("potential"));
+        return;
+    }
+    paths.radiance = copy_of(stage.get<Vec3>("radiance"));
+    if (stage.kind == StageKind::resolve_light) return;
+    paths.rays = copy_of(stage.get<Ray>("rays"));
+    paths.throughput = copy_of(stage.get<Vec3>("throughput"));
+    paths.flags = copy_of(stage.get<std::uint32_t>("flags"));
+    if (stage.kind == StageKind::scene_rays) return;
+    paths.pixel = copy_of(stage.get<std::uint32_t>("pixel"));
+    paths.sample = copy_of(stage.get<std::uint32_t>("sample"));
+}
+
+}  // namespace scotty::verify

@@ -1,0 +1,149 @@
+/// Shared by the checks of the single stages (check_*.cpp): what has been seen so far.
+#pragma once
+
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "verify/base/same_bits.h"
+#include "verify/invariants/invariants.h"
+
+namespace scotty::verify {
+
+/// What is known of the traversal that is running. All by ray id unless said.
+struct TraversalState {
+    bool running = false;
+    bool scanned = false;   ///< scan_counts of this level has been seen
+    bool asks_any = false;  ///< early-out on and only "is anything hit" asked
+    std::uint32_t level = 0;
+    std::uint64_t failures_before = 0;  ///< counts.failures when it began, for on_retry
+    std::size_t kept_before = 0;        ///< failures kept when it began
+    std::vector<reference::Ray> rays;
+
+    // By node: what the level before handed on.
+    std::vector<std::uint32_t> node_counts;
+    std::vector<std::uint32_t> queue_offsets;
+    std::vector<std::uint32_t> queue;
+    // This level's scan.
+    std::vector<std::uint32_t> block_offsets;
+    std::vector<std::uint32_t> child_offsets;
+
+    std::vector<std::uint32_t> hit_counts;
+    std::vector<std::uint64_t> packed;
+    std::vector<reference::HitCandidate> best;  ///< closest of all hits appended so far
+    std::vector<float> minimum;                 ///< as last seen
+
+    /// Early-out `immediate`: the nearest box that a ray was kept out of, and where.
+    struct KeptOut {
+        float entry = reference::kInfinity;
+        std::uint32_t launch = reference::kNotApplicable;
+        std::uint32_t level = reference::kNotApplicable;
+        std::uint32_t node = reference::kNotApplicable;
+        std::uint32_t block = reference::kNotApplicable;
+    };
+    std::vector<KeptOut> kept_out;
+};
+
+/// What is known of the paths in flight. All by ray id.
+struct PathState {
+    std::vector<reference::Ray> rays, shadow_rays;
+    std::vector<reference::Hit> path_hits, shadow_hits;
+    std::vector<reference::Vec3> radiance, potential, throughput;
+    std::vector<std::uint32_t> pixel, sample, flags;
+};
+
+/// Of the image, by pixel: how many samples have been generated, and the sum so far.
+struct ImageState {
+    std::vector<std::uint32_t> samples;
+    std::vector<std::uint32_t> summed;
+    std::vector<reference::Vec3> sum;
+};
+
+struct InvariantChecker::State {
+    const reference::Scene& scene;
+    const reference::WideBvh& bvh;
+    const reference::PipelineParameters& parameters;
+    InvariantSettings settings;
+
+    InvariantCounts counts;
+    std::vector<Failure> failures;
+    TraversalState traversal;
+    PathState paths;
+    ImageState image;
+
+    void add(Failure failure);
+    /// Sorts by node, then by how specific the invariant is, then by ray, and adds.
+    void add_sorted(std::vector<Failure> found);
+};
+
+/// A failure with the stage's place filled in.
+Failure failure_at(const reference::StageView& stage, const char* invariant, std::string sentence);
+
+using CheckState = InvariantChecker::State;
+
+template <class T>
+std::vector<T> copy_of(std::span<const T> values) {
+    return {values.begin(), values.end()};
+}
+
+/// The buffer, or nothing and a failure where it is missing or has another size.
+template <class T>
+std::span<const T> expect_buffer(CheckState& state, const reference::StageView& stage,
+                                 std::string_view name, std::size_t size) {
+    const std::span<const T> values = stage.get<T>(name);
+    if (values.size() == size) return values;
+    Failure failure = failure_at(stage, invariant::kHandOver,
+                                 "a buffer is missing or has another size than the contract says");
+    failure.field = std::string(name);
+    failure.expected = std::to_string(size) + " elements";
+    failure.found = std::to_string(values.size());
+    state.add(std::move(failure));
+    return {};
+}
+
+/// True where `seen` holds the bytes of `expected`; else one failure at the first difference.
+template <class T, class Describe>
+bool expect_same(CheckState& state, const reference::StageView& stage, const char* tag,
+                 std::string_view field, std::span<const T> expected, std::span<const T> seen,
+                 bool by_ray, const char* sentence, const Describe& describe) {
+    for (std::size_t i = 0; i < expected.size() && i < seen.size(); ++i) {
+        if (same_bits(expected[i], seen[i])) continue;
+        Failure failure = failure_at(stage, tag, sentence);
+        failure.field = std::string(field) + "[" + std::to_string(i) + "]";
+        if (by_ray) failure.ray = static_cast<std::uint32_t>(i);
+        failure.expected = describe(expected[i]);
+        failure.found = describe(seen[i]);
+        state.add(std::move(failure));
+        return false;
+    }
+    return true;
+}
+
+// One function a stage kind. Each only reads the stage and the state of stages before.
+void check_scan(CheckState& state, const reference::StageView& stage);
+void check_queues(CheckState& state, const reference::StageView& stage);
+void check_leaves(CheckState& state, const reference::StageView& stage);
+void check_minimum(CheckState& state, const reference::StageView& stage);
+void check_merge(CheckState& state, const reference::StageView& stage);
+void check_primary_rays(CheckState& state, const reference::StageView& stage);
+void check_direct_light_rays(CheckState& state, const reference::StageView& stage);
+void check_resolve_light(CheckState& state, const reference::StageView& stage);
+void check_scene_rays(CheckState& state, const reference::StageView& stage);
+void check_image(CheckState& state, const reference::StageView& stage);
+// The same stages' results, computed again.
+void check_primary_paths(CheckState& state, const reference::StageView& stage);
+void check_light_paths(CheckState& state, const reference::StageView& stage);
+void check_scattered_paths(CheckState& state, const reference::StageView& stage);
+void check_filter(CheckState& state, const reference::StageView& stage);
+/// Every value of every output that has to be finite is.
+void check_finite(CheckState& state, const reference::StageView& stage);
+
+// What the next stages are held against; called whether or not the stage is judged.
+void begin_traversal(CheckState& state, const reference::StageView& stage);
+void follow_scan(CheckState& state, const reference::StageView& stage);
+void follow_level(CheckState& state, const reference::StageView& stage);
+void follow_minimum(CheckState& state, const reference::StageView& stage);
+void follow_shading(CheckState& state, const reference::StageView& stage);
+
+}  // namespace scotty::verify

@@ -1,3 +1,0 @@
-#include "verify/command.h"
-
-int main(int argc, char** argv) { return scotty::verify::run_command(argc, argv); }

@@ -1,0 +1,56 @@
+/// Recorded hits against two independent truths: brute force and Embree.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "reference/contract/scene.h"
+#include "reference/truth/tracers.h"
+#include "verify/capture/failure.h"
+#include "verify/capture/recording.h"
+
+namespace scotty::verify {
+
+struct HitCheckSettings {
+    /// Ray-triangle tests that brute force may spend on a scene; where all rays would need more, a
+    /// subset drawn by `seed` is checked.
+    std::uint64_t brute_force_tests = 400'000'000;
+    std::uint64_t seed = 0;
+    std::string stage_pattern;  ///< only traversals whose merge stage has such a name
+};
+
+struct HitCheckResult {
+    std::uint64_t traversals = 0;
+    std::uint64_t rays = 0;              ///< living rays of all traversals
+    std::uint64_t brute_force_rays = 0;  ///< of those, how many brute force has traced
+    std::uint64_t embree_rays = 0;       ///< closest-hit queries
+    std::uint64_t occlusion_rays = 0;    ///< any-hit queries
+    std::uint64_t ties = 0;
+    std::uint64_t grazing = 0;
+    std::uint64_t embree_wrong = 0;
+    std::uint64_t ours_wrong = 0;
+    /// By path: a hit on which we and Embree differ for a reason. From there on the two pictures
+    /// may go separate ways.
+    std::vector<bool> excused;
+    std::vector<Failure> failures;  ///< at most 20; the first leads
+};
+
+/// Brute force: hits equal bit for bit. Embree: same primitive, or an adjudicated difference that
+/// is not ours; for shadow rays also the any-hit answer.
+HitCheckResult check_hits(const reference::Scene& scene, const Recording& recording,
+                          const reference::EmbreeTracer& embree, std::uint32_t spp,
+                          const HitCheckSettings& settings);
+
+struct ImageCheckResult {
+    std::uint64_t pixels = 0;
+    std::uint64_t identical = 0;
+    std::uint64_t excused = 0;  ///< different, and a path of the pixel is excused
+    std::vector<Failure> failures;
+};
+
+/// Pixels bit for bit, but for those of an excused path.
+ImageCheckResult check_image(const reference::Image& ours, const reference::Image& embree,
+                             const std::vector<bool>& excused, std::uint32_t spp);
+
+}  // namespace scotty::verify

@@ -1,0 +1,15 @@
+# embed.cmake: the files of the pages, as they are, into one C++ source; nothing is read from disk at run time.
+# cmake -DOUTPUT=page_files.cpp -DFOLDER=verify/pages/web -DFILES=a.css,b.js -P embed.cmake
+string(REPLACE "," ";" names "${FILES}")
+set(source "// Made from verify/pages/web/ by embed.cmake.\n#include \"verify/pages/page.h\"\n\nnamespace scotty::verify {\n")
+string(APPEND source "\nconst std::map<std::string_view, std::string_view>& page_files() {\n")
+string(APPEND source "    static const std::map<std::string_view, std::string_view> kFiles = {\n")
+foreach(name IN LISTS names)
+    file(READ "${FOLDER}/${name}" text)
+    if(text MATCHES "\\)page\"")
+        message(FATAL_ERROR "${name}: holds the mark at which its raw string literal would end")
+    endif()
+    string(APPEND source "{\"${name}\", R\"page(${text})page\"},\n")
+endforeach()
+string(APPEND source "    };\n    return kFiles;\n}\n\n}  // namespace scotty::verify\n")
+file(WRITE "${OUTPUT}" "${source}")

@@ -1,0 +1,102 @@
+#include "verify/render/progressive.h"
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include "emulation/host/replay.h"
+#include "reference/base/assert.h"
+
+namespace scotty::verify {
+namespace {
+
+using reference::Image;
+using reference::PipelineParameters;
+using reference::StageKind;
+using reference::StageView;
+using reference::Vec3;
+
+/// Thrown through the pipeline that is to stop.
+struct Stopped {};
+
+/// The emulator's filter, whoever rendered: filters are the same bits everywhere.
+Image filtered(const PipelineInput& input, const Image& image) {
+    StageView stage;
+    stage.kind = StageKind::filter;
+    stage.name = to_string(stage.kind);
+    stage.inputs = {
+        reference::buffer_view("image", std::span<const Vec3>(image.pixels), "radiance by pixel")};
+    const auto outputs = emulation::run_stage(input.scene, input.bvh, input.parameters, {}, stage);
+    SCOTTY_ASSERT(outputs.size(), ==, 1u);
+    const auto* pixels = reinterpret_cast<const Vec3*>(outputs[0].bytes.data());
+    return {image.width, image.height, {pixels, pixels + image.pixels.size()}};
+}
+
+/// Keeps the sums of the last complete pass, which reconstruct_image shows batch by batch.
+class Passes : public reference::StageObserver {
+ public:
+    Passes(const PipelineInput& input, const ProgressiveListener& listener)
+        : input_(input), parameters_(input.parameters), listener_(listener) {}
+
+    /// scan_counts is small and there many times a traversal: a time to ask whether to stop.
+    bool wants(StageKind kind) const override {
+        return kind == StageKind::reconstruct_image || kind == StageKind::scan_counts;
+    }
+    void on_stage(const StageView& stage) override {
+        if (stage.kind == StageKind::reconstruct_image) follow(stage);
+        // What is as good as whole is not thrown away.
+        if (of_last_pixel_ < parameters_.spp && listener_.stops(stage.name)) throw Stopped{};
+    }
+
+    std::uint32_t samples() const { return samples_; }
+
+    /// As reconstruct_image and the filter make it.
+    Image picture() const {
+        Image image{parameters_.image_width, parameters_.image_height, sums_};
+        for (Vec3& pixel : image.pixels) pixel /= static_cast<float>(samples_);
+        const bool smooth = parameters_.filter != reference::Filter::none &&
+                            samples_ < parameters_.filter_threshold;
+        return smooth ? filtered(input_, image) : image;
+    }
+
+ private:
+    void follow(const StageView& stage) {
+        const auto pixel = stage.get<std::uint32_t>("pixel");
+        const auto image = stage.get<Vec3>("image");
+        const std::uint32_t last = parameters_.image_width * parameters_.image_height - 1;
+        SCOTTY_ASSERT(image.size(), ==, std::size_t{last} + 1);
+        // A render that ran out of memory begins again, with smaller batches.
+        if (stage.batch == 0) of_last_pixel_ = 0;
+        of_last_pixel_ += static_cast<std::uint32_t>(std::count(pixel.begin(), pixel.end(), last));
+        // With the last sample the sums have become means, and the pipeline's own image is next.
+        const bool pass_is_complete = of_last_pixel_ > samples_ &&
+                                      of_last_pixel_ % samples_of_pass(parameters_) == 0 &&
+                                      of_last_pixel_ < parameters_.spp;
+        if (!pass_is_complete) return;
+        sums_.assign(image.begin(), image.end());
+        samples_ = of_last_pixel_;
+        listener_.on_pass(samples_, [this] { return picture(); });
+    }
+
+    const PipelineInput& input_;
+    const PipelineParameters& parameters_;
+    const ProgressiveListener& listener_;
+    std::uint32_t of_last_pixel_ = 0;  ///< samples added to the image's last pixel
+    std::uint32_t samples_ = 0;        ///< of each pixel of sums_
+    std::vector<Vec3> sums_;
+};
+
+}  // namespace
+
+ProgressiveImage render_progressively(const Backend& backend, const PipelineInput& input,
+                                      const ProgressiveListener& listener) {
+    Passes passes(input, listener);
+    try {
+        return {backend.render(input, &passes), input.parameters.spp};
+    } catch (const Stopped&) {
+        if (passes.samples() == 0) return {};
+        return {passes.picture(), passes.samples()};
+    }
+}
+
+}  // namespace scotty::verify

@@ -1,1 +1,0 @@
-#include "gpu/replay.cu"

@@ -1,1 +1,0 @@
-#include "gpu/traversal_show.cu"

@@ -1,0 +1,255 @@
+#include "verify/sweep/configurations.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <set>
+#include <utility>
+
+#include "reference/base/error.h"
+
+namespace scotty::verify {
+
+using reference::BlockOrder;
+using reference::EarlyOut;
+using reference::HitMode;
+using reference::PipelineParameters;
+using reference::ShadowQuery;
+
+namespace {
+
+/// Rays a batch of the extra run: odd, so that no batch ends where a block, row or image does.
+constexpr std::uint32_t kOddBatch = 331;
+
+/// One parameter: its values, as changes to a configuration.
+struct Factor {
+    std::vector<std::function<void(Configuration&)>> values;
+    bool asked = false;
+};
+
+template <class T, class Set>
+Factor factor(const std::vector<T>& asked, std::vector<T> usual, const Set& set) {
+    Factor out;
+    out.asked = !asked.empty();
+    for (const T& value : out.asked ? asked : usual) {
+        out.values.push_back([value, set](Configuration& c) { set(c, value); });
+    }
+    return out;
+}
+
+std::vector<Factor> factors_of(const PipelineParameters& base, const ConfigurationFilter& filter) {
+    std::vector<std::uint32_t> capacities{base.hit_capacity};
+    if (!filter.all && base.hit_capacity != 1) capacities.push_back(1);  // has to grow
+    std::vector<Schedule> schedules{{}};
+    if (!filter.all) {
+        using emulation::ScheduleKind;
+        schedules = {{}, {ScheduleKind::linear, 0}, {ScheduleKind::shuffled, base.seed}};
+    }
+    return {
+        factor<int>(filter.widths, {8, 2, 4, 16},
+                    [](Configuration& c, int v) { c.parameters.width = v; }),
+        factor<int>(filter.rays_per_block, {64, 32, 256, 1024},
+                    [](Configuration& c, int v) { c.parameters.rays_per_block = v; }),
+        factor<std::uint32_t>(
+            filter.queue_levels, {0, 2},
+            [](Configuration& c, std::uint32_t v) { c.parameters.queue_levels = v; }),
+        factor<EarlyOut>(filter.early_out, {EarlyOut::level, EarlyOut::off, EarlyOut::immediate},
+                         [](Configuration& c, EarlyOut v) { c.parameters.early_out = v; }),
+        factor<HitMode>(filter.hit_mode, {HitMode::buffer, HitMode::packed},
+                        [](Configuration& c, HitMode v) { c.parameters.hit_mode = v; }),
+        factor<BlockOrder>(filter.block_order, {BlockOrder::linear, BlockOrder::strided},
+                           [](Configuration& c, BlockOrder v) { c.parameters.block_order = v; }),
+        factor<ShadowQuery>(filter.shadow_query, {ShadowQuery::any, ShadowQuery::closest},
+                            [](Configuration& c, ShadowQuery v) { c.parameters.shadow_query = v; }),
+        factor<std::uint32_t>(
+            filter.hit_capacity, capacities,
+            [](Configuration& c, std::uint32_t v) { c.parameters.hit_capacity = v; }),
+        factor<std::uint32_t>(
+            filter.batch_rays, {base.batch_rays},
+            [](Configuration& c, std::uint32_t v) { c.parameters.batch_rays = v; }),
+        factor<Schedule>(filter.schedule, schedules,
+                         [](Configuration& c, Schedule v) { c.schedule = v; })};
+}
+
+/// Every combination: the last factor runs fastest.
+std::vector<std::vector<std::size_t>> product_rows(const std::vector<std::size_t>& sizes) {
+    std::vector<std::vector<std::size_t>> rows{{}};
+    for (const std::size_t size : sizes) {
+        std::vector<std::vector<std::size_t>> longer;
+        longer.reserve(rows.size() * size);
+        for (const auto& row : rows) {
+            for (std::size_t value = 0; value < size; ++value) {
+                longer.push_back(row);
+                longer.back().push_back(value);
+            }
+        }
+        rows = std::move(longer);
+    }
+    return rows;
+}
+
+/// The pairs of values that no row holds yet.
+class Uncovered {
+    using Pair = std::array<std::size_t, 4>;  ///< factor, value, later factor, value
+
+ public:
+    explicit Uncovered(const std::vector<std::size_t>& sizes) {
+        for (std::size_t f = 0; f < sizes.size(); ++f) {
+            for (std::size_t g = f + 1; g < sizes.size(); ++g) {
+                for (std::size_t i = 0; i < sizes[f]; ++i) {
+                    for (std::size_t j = 0; j < sizes[g]; ++j) pairs_.insert(Pair{f, i, g, j});
+                }
+            }
+        }
+    }
+    bool empty() const { return pairs_.empty(); }
+    bool contains(std::size_t f, std::size_t i, std::size_t g, std::size_t j) const {
+        return pairs_.contains(f < g ? Pair{f, i, g, j} : Pair{g, j, f, i});
+    }
+    std::pair<std::size_t, std::size_t> first_left() const {
+        return {(*pairs_.begin())[0], (*pairs_.begin())[1]};
+    }
+    void cover(const std::vector<std::size_t>& row) {
+        for (std::size_t f = 0; f < row.size(); ++f) {
+            for (std::size_t g = f + 1; g < row.size(); ++g)
+                pairs_.erase(Pair{f, row[f], g, row[g]});
+        }
+    }
+
+ private:
+    std::set<Pair> pairs_;
+};
+
+}  // namespace
+
+emulation::DeviceOptions Configuration::device(std::size_t threads) const {
+    const bool one_by_one = schedule.kind != emulation::ScheduleKind::free;
+    return {one_by_one ? 1 : threads, schedule.kind, schedule.seed};
+}
+
+std::string Configuration::label() const {
+    const PipelineParameters& p = parameters;
+    const std::string hits = p.hit_mode == HitMode::packed
+                                 ? std::string("packed")
+                                 : fmt::format("buffer of {}", p.hit_capacity);
+    const std::string levels =
+        p.queue_levels == 0 ? "" : fmt::format("{} queue levels, ", p.queue_levels);
+    return fmt::format(
+        "width {}, {} rays a block, {}early-out {}, {}, {}, shadow {}, {}, batches of {}", p.width,
+        p.rays_per_block, levels, to_string(p.early_out), hits, to_string(p.block_order),
+        to_string(p.shadow_query), to_string(schedule), p.batch_rays);
+}
+
+std::string picture_options(const PipelineParameters& p) {
+    return fmt::format(
+        "--size {}x{} --spp {} --bounces {} --light-samples {} --seed {} --leaf-size {}",
+        p.image_width, p.image_height, p.spp, p.bounces, p.light_samples, p.seed, p.max_leaf_size);
+}
+
+std::string pipeline_options(const PipelineParameters& p) {
+    return fmt::format(
+        "--width {} --rays-per-block {} --queue-levels {} --early-out {} --hit-mode {} "
+        "--block-order {} --shadow-query {} --hit-capacity {} --batch-rays {}",
+        p.width, p.rays_per_block, p.queue_levels, to_string(p.early_out), to_string(p.hit_mode),
+        to_string(p.block_order), to_string(p.shadow_query), p.hit_capacity, p.batch_rays);
+}
+
+std::string Configuration::options() const {
+    return fmt::format("{} --schedule {}", pipeline_options(parameters), to_string(schedule));
+}
+
+Configuration baseline_configuration(const PipelineParameters& base) {
+    Configuration configuration{base, {}};
+    configuration.parameters.width = 8;
+    configuration.parameters.queue_levels = 0;
+    configuration.parameters.early_out = EarlyOut::off;
+    configuration.parameters.hit_mode = HitMode::buffer;
+    configuration.parameters.block_order = BlockOrder::linear;
+    configuration.parameters.shadow_query = ShadowQuery::closest;
+    return configuration;
+}
+
+std::vector<std::vector<std::size_t>> covering_rows(const std::vector<std::size_t>& sizes) {
+    if (sizes.size() < 2) return product_rows(sizes);  // no pairs: every value
+    constexpr std::size_t kOpen = ~std::size_t{0};
+    // Largest factors first: their pairs decide how many rows there are.
+    std::vector<std::size_t> order(sizes.size());
+    for (std::size_t f = 0; f < sizes.size(); ++f) order[f] = f;
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return sizes[a] > sizes[b]; });
+    Uncovered uncovered(sizes);
+    std::vector<std::vector<std::size_t>> rows;
+    while (!uncovered.empty()) {
+        std::vector<std::size_t> row(sizes.size(), kOpen);
+        const auto [first_factor, first_value] = uncovered.first_left();
+        row[first_factor] = first_value;
+        for (const std::size_t f : order) {
+            if (row[f] != kOpen) continue;
+            std::size_t best = 0;
+            std::size_t most = 0;
+            for (std::size_t value = 0; value < sizes[f]; ++value) {
+                std::size_t gain = 0;
+                for (std::size_t g = 0; g < sizes.size(); ++g) {
+                    if (row[g] == kOpen) continue;
+                    gain += uncovered.contains(f, value, g, row[g]) ? 1 : 0;
+                }
+                if (gain > most) {
+                    most = gain;
+                    best = value;
+                }
+            }
+            row[f] = best;
+        }
+        uncovered.cover(row);
+        rows.push_back(std::move(row));
+    }
+    return rows;
+}
+
+std::vector<Configuration> configurations(const PipelineParameters& base,
+                                          const ConfigurationFilter& filter) {
+    const std::vector<Factor> factors = factors_of(base, filter);
+    std::vector<std::size_t> asked;
+    std::vector<std::size_t> free;
+    std::vector<std::size_t> asked_sizes;
+    std::vector<std::size_t> free_sizes;
+    for (std::size_t f = 0; f < factors.size(); ++f) {
+        (factors[f].asked ? asked : free).push_back(f);
+        (factors[f].asked ? asked_sizes : free_sizes).push_back(factors[f].values.size());
+    }
+    const auto free_rows = filter.all ? product_rows(free_sizes) : covering_rows(free_sizes);
+    std::vector<Configuration> out;
+    std::set<std::string> seen;
+    const auto add = [&](Configuration configuration) {
+        // One that differs only in what it does not use is no other configuration.
+        if (configuration.parameters.hit_mode == HitMode::packed) {
+            configuration.parameters.hit_capacity = base.hit_capacity;
+        }
+        reference::validate(configuration.parameters);
+        if (seen.insert(configuration.options()).second) out.push_back(configuration);
+    };
+    for (const auto& asked_row : product_rows(asked_sizes)) {
+        for (const auto& free_row : free_rows) {
+            Configuration configuration{base, {}};
+            for (std::size_t k = 0; k < asked.size(); ++k) {
+                factors[asked[k]].values[asked_row[k]](configuration);
+            }
+            for (std::size_t k = 0; k < free.size(); ++k) {
+                factors[free[k]].values[free_row[k]](configuration);
+            }
+            add(configuration);
+        }
+    }
+    if (asked.empty()) {
+        Configuration small{base, {}};
+        small.parameters.batch_rays = kOddBatch;
+        small.parameters.hit_capacity = 1;
+        small.parameters.block_order = BlockOrder::strided;
+        add(small);
+    }
+    return out;
+}
+
+}  // namespace scotty::verify

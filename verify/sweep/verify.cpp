@@ -1,0 +1,356 @@
+#include "verify/sweep/verify.h"
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "emulation/host/pipeline.h"
+#include "reference/contract/wide_bvh.h"
+#include "reference/truth/embree_renderer.h"
+#include "reference/truth/tracers.h"
+#include "verify/backends/backend.h"
+#include "verify/base/ask.h"
+#include "verify/capture/pipeline_input.h"
+#include "verify/capture/recording.h"
+#include "verify/oracles/interval_check.h"
+#include "verify/schedules/schedule_check.h"
+#include "verify/sweep/emulator_diff.h"
+
+namespace scotty::verify {
+
+using reference::PipelineParameters;
+using reference::StageView;
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Passes stages through VerifySettings::tamper.
+class TamperingObserver : public reference::StageObserver {
+ public:
+    TamperingObserver(reference::StageObserver& to, const VerifySettings::Tamper& tamper,
+                      std::size_t configuration)
+        : to_(to), tamper_(tamper), configuration_(configuration) {}
+
+    void on_stage(const StageView& stage) override {
+        tamper_(stage, configuration_, [&](const StageView& shown) { to_.on_stage(shown); });
+    }
+    void on_retry(std::string_view stage, std::string_view reason) override {
+        to_.on_retry(stage, reason);
+    }
+
+ private:
+    reference::StageObserver& to_;
+    const VerifySettings::Tamper& tamper_;
+    std::size_t configuration_;
+};
+
+class SceneVerification {
+ public:
+    SceneVerification(const reference::Scene& scene, const VerifySettings& settings)
+        : scene_(scene), settings_(settings) {
+        report_.scene = scene.name;
+        report_.source = scene.source;
+        report_.triangles = scene.triangles.size();
+        report_.warnings = scene.warnings;
+    }
+
+    SceneReport run() {
+        const auto start = Clock::now();
+        const std::vector<Configuration> all = all_configurations(settings_);
+        std::vector<std::size_t> ours;  // but the baseline
+        for (std::size_t i = 1; i < all.size(); ++i) {
+            if (is_ours(i)) ours.push_back(i);
+        }
+        const bool whole = is_ours(0);
+        if (!whole && ours.empty()) return std::move(report_);
+        steps_ = 1 + (whole && settings_.oracles ? 1 : 0) + ours.size();
+        const Recording truth = run_configuration(all.front(), nullptr);
+        if (whole) {
+            if (settings_.oracles) run_oracles(truth);
+        } else {
+            report_.configurations.clear();  // another shard's to report
+        }
+        for (const std::size_t i : ours) {
+            run_configuration(all[i], &truth);
+            report_.configurations.back().unit = settings_.first_unit + i;
+        }
+        if (whole) report_.configurations.front().unit = settings_.first_unit;
+        report_.seconds = seconds_since(start);
+        return std::move(report_);
+    }
+
+ private:
+    bool is_ours(std::size_t configuration) const {
+        return !settings_.has_unit || settings_.has_unit(settings_.first_unit + configuration);
+    }
+
+    void begin_step(const std::string& what) {
+        if (settings_.progress) settings_.progress(what, done_, steps_);
+        ++done_;
+    }
+
+    /// Built once a width and cut, and valid before anything is traced through it.
+    const reference::WideBvh& bvh_of(const PipelineParameters& p) {
+        auto& bvh = bvhs_[{p.width, p.queue_levels}];
+        if (bvh.width == 0) {
+            bvh = build_wide_bvh(scene_, bvh_parameters(p, settings_.threads));
+            for (const std::string& fault : reference::validate(bvh, scene_)) {
+                Failure failure;
+                failure.invariant = "bvh";
+                failure.stage = fmt::format("BVH of width {}", p.width);
+                failure.sentence = fault;
+                report_.bvh_failures.push_back(std::move(failure));
+            }
+        }
+        return bvh;
+    }
+
+    std::string replay_of(const Configuration& configuration) const {
+        const PipelineParameters& p = configuration.parameters;
+        std::string command =
+            fmt::format("scotty verify {} {} {}",
+                        shell_word(scene_.source.empty() ? scene_.name : scene_.source),
+                        picture_options(p), configuration.options());
+        if (settings_.backend != "emulator") command += " --backend " + settings_.backend;
+        if (settings_.check) command += " --check";
+        if (!settings_.plant.empty()) command += " --plant " + settings_.plant;
+        if (p.filter != reference::Filter::none) {
+            command += fmt::format(" --filter {}", reference::to_string(p.filter));
+        }
+        if (settings_.threads != 0) command += fmt::format(" --threads {}", settings_.threads);
+        if (settings_.schedules != 0)
+            command += fmt::format(" --schedules {}", settings_.schedules);
+        return command;
+    }
+
+    /// Scene and BVH are copied once for each BVH.
+    const PipelineInput& input_of(const reference::WideBvh& bvh, const PipelineParameters& p) {
+        PipelineInput& input = inputs_[{p.width, p.queue_levels}];
+        if (input.bvh.width == 0) input = {scene_, bvh, p};
+        input.parameters = p;
+        return input;
+    }
+
+    /// Runs, judges every launch, and compares with the baseline where there is one.
+    Recording run_configuration(const Configuration& configuration, const Recording* baseline) {
+        begin_step(configuration.label());
+        const auto start = Clock::now();
+        const PipelineParameters& p = configuration.parameters;
+        const emulation::DeviceOptions device = configuration.device(settings_.threads);
+        const reference::WideBvh& bvh = bvh_of(p);
+        Recording recording;
+        Recorder recorder(p, recording);
+        const Backend backend = backend_named(settings_.backend, device);
+        InvariantChecker checker(
+            scene_, bvh, p,
+            {.stage_pattern = settings_.stage_pattern, .written_by = backend.written_by});
+        std::optional<EmulatorDiff> emulator;
+        const PipelineInput* input = nullptr;
+        if (backend.name != "emulator") {
+            input = &input_of(bvh, p);
+            emulator.emplace(*input, settings_.threads, backend);
+        }
+        std::vector<reference::StageObserver*> all{&checker, &recorder};
+        if (emulator) all.push_back(&emulator->observer());
+        Observers observers(all);
+        std::optional<TamperingObserver> tampering;
+        reference::StageObserver* observer = &observers;
+        if (settings_.tamper) {
+            observer =
+                &tampering.emplace(observers, settings_.tamper, report_.configurations.size());
+        }
+        ConfigurationReport& out = report_.configurations.emplace_back();
+        out.label =
+            baseline == nullptr ? "baseline: " + configuration.label() : configuration.label();
+        out.replay = replay_of(configuration);
+        try {
+            recording.image = emulator
+                                  ? backend.render(*input, observer)
+                                  : emulation::Pipeline(scene_, bvh, p, device, observer).render();
+        } catch (const reference::Error& error) {
+            // What had been seen until then leads: it may well be the reason.
+            out.failures = failures_until_now(checker, emulator, out.stages, false);
+            Failure failure;
+            failure.invariant = "error";
+            failure.stage = "render";
+            failure.sentence = error.what();
+            out.failures.push_back(std::move(failure));
+            out.counts = checker.counts();
+            out.counts.failures += 1;
+            return recording;
+        }
+        out.failures = failures_until_now(checker, emulator, out.stages, true);
+        out.counts = checker.counts();
+        out.counts.failures += out.failures.size() - checker.failures().size();
+        out.rays = recording.living_rays();
+        if (baseline != nullptr) {
+            const bool any = p.shadow_query == reference::ShadowQuery::any &&
+                             p.early_out != reference::EarlyOut::off;
+            for (Failure& difference : compare(*baseline, recording, any, p.spp)) {
+                if (!stage_matches(settings_.stage_pattern, difference.stage)) continue;
+                out.failures.push_back(std::move(difference));
+                ++out.counts.failures;
+            }
+        }
+        if (out.counts.failures == 0 && settings_.stage_pattern.empty()) {
+            check_unwatched(bvh, p, backend, recording.image, out);
+        }
+        if (settings_.schedules != 0) run_schedules(bvh, p, out);
+        out.seconds = seconds_since(start);
+        return recording;
+    }
+
+    /// Where nobody watches, a pipeline may leave out what only an observer sees: another way
+    /// through it, which must come to the same picture.
+    void check_unwatched(const reference::WideBvh& bvh, const PipelineParameters& p,
+                         const Backend& backend, const reference::Image& watched,
+                         ConfigurationReport& out) {
+        Failure failure;
+        try {
+            const auto found =
+                compare_images(watched, backend.render(input_of(bvh, p), nullptr), p.spp);
+            if (!found) return;
+            failure = *found;
+            failure.sentence = fmt::format("pixel {} is another where nobody watches the launches",
+                                           failure.ray / p.spp);
+        } catch (const reference::Error& error) {
+            failure.sentence = error.what();
+        }
+        failure.invariant = invariant::kUnwatched;
+        failure.stage = "render";
+        out.failures.push_back(std::move(failure));
+        ++out.counts.failures;
+    }
+
+    void run_schedules(const reference::WideBvh& bvh, const PipelineParameters& p,
+                       ConfigurationReport& out) {
+        const PipelineInput& input = input_of(bvh, p);
+        const auto render = [&](const emulation::Schedule& schedule,
+                                reference::StageObserver& observer) {
+            const Configuration configuration{p, schedule};
+            const Backend backend =
+                backend_named(settings_.backend, configuration.device(settings_.threads));
+            if (!settings_.tamper) {
+                backend.render(input, &observer);
+                return;
+            }
+            TamperingObserver tampering(observer, settings_.tamper,
+                                        report_.configurations.size() - 1);
+            backend.render(input, &tampering);
+        };
+        const auto schedules = emulation::seeded_schedules(settings_.schedules);
+        for (Failure& failure : check_schedules(schedules, p, render)) {
+            if (!stage_matches(settings_.stage_pattern, failure.stage)) continue;
+            out.failures.push_back(std::move(failure));
+            ++out.counts.failures;
+        }
+        out.schedules = schedules.size();
+    }
+
+    /// Where the run parted from the emulator, which names who wrote it, and then the invariants
+    /// that it broke.
+    std::vector<Failure> failures_until_now(const InvariantChecker& checker,
+                                            std::optional<EmulatorDiff>& emulator,
+                                            StageCounts& stages, bool whole_run) const {
+        std::vector<Failure> failures;
+        if (emulator) failures = emulator->finish(stages, whole_run);
+        std::erase_if(failures, [&](const Failure& failure) {
+            return !stage_matches(settings_.stage_pattern, failure.stage);
+        });
+        failures.insert(failures.end(), checker.failures().begin(), checker.failures().end());
+        return failures;
+    }
+
+    void run_oracles(const Recording& truth) {
+        begin_step("brute force and Embree");
+        const auto start = Clock::now();
+        const reference::EmbreeTracer embree(scene_);
+        const std::uint32_t spp = settings_.parameters.spp;
+        report_.hits = check_hits(
+            scene_, truth, embree, spp,
+            {settings_.brute_force_tests, settings_.parameters.seed, settings_.stage_pattern});
+        // What is known to be broken may end the process, and the report with it, where nobody
+        // watches its launches.
+        const bool sound = report_.configurations.front().failures.empty();
+        if (sound && settings_.stage_pattern.empty()) run_interval_check(truth);
+        const bool whole =
+            truth.image.pixels.size() ==
+            std::size_t{settings_.parameters.image_width} * settings_.parameters.image_height;
+        const PipelineParameters& p = settings_.parameters;
+        if (whole && settings_.stage_pattern.empty() && p.filter == reference::Filter::none) {
+            report_.image = check_image(
+                truth.image, reference::render_with_embree(scene_, p, embree, settings_.threads),
+                report_.hits.excused, spp);
+        }
+        report_.oracles_ran = true;
+        report_.oracle_seconds = seconds_since(start);
+    }
+
+    void run_interval_check(const Recording& truth) {
+        const Configuration baseline = baseline_configuration(settings_.parameters);
+        const Backend backend =
+            backend_named(settings_.backend, baseline.device(settings_.threads));
+        const PipelineInput& input = input_of(bvh_of(baseline.parameters), baseline.parameters);
+        const auto trace = [&](std::span<const reference::Ray> rays,
+                               std::span<reference::Hit> hits) {
+            backend.trace(input, rays, reference::TraversalKind::closest, hits);
+        };
+        for (Failure& failure :
+             check_intervals(scene_, truth, trace, settings_.brute_force_tests)) {
+            report_.hits.failures.push_back(std::move(failure));
+        }
+    }
+
+    const reference::Scene& scene_;
+    const VerifySettings& settings_;
+    SceneReport report_;
+    std::map<std::pair<int, std::uint32_t>, reference::WideBvh> bvhs_;
+    std::map<std::pair<int, std::uint32_t>, PipelineInput> inputs_;
+    std::size_t done_ = 0;
+    std::size_t steps_ = 0;
+};
+
+}  // namespace
+
+PipelineParameters default_verify_parameters() {
+    PipelineParameters p;
+    p.image_width = 45;
+    p.image_height = 37;
+    p.spp = 2;
+    p.bounces = 2;
+    p.light_samples = 2;
+    return p;
+}
+
+std::vector<Configuration> all_configurations(const VerifySettings& settings) {
+    std::vector<Configuration> all{baseline_configuration(settings.parameters)};
+    for (const Configuration& c : configurations(settings.parameters, settings.filter)) {
+        if (c.options() != all.front().options()) all.push_back(c);
+    }
+    return all;
+}
+
+std::size_t units_of_scene(const VerifySettings& settings) {
+    return all_configurations(settings).size();
+}
+
+SceneReport verify_scene(const reference::Scene& scene, const VerifySettings& settings) {
+    reference::validate(settings.parameters);
+    std::optional<tbb::global_control> limit;
+    if (settings.threads != 0) {
+        limit.emplace(tbb::global_control::max_allowed_parallelism, settings.threads);
+    }
+    return SceneVerification(scene, settings).run();
+}
+
+}  // namespace scotty::verify
