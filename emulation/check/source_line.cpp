@@ -26,14 +26,13 @@ std::string output_of(const std::string& command) {
     return text;
 }
 
-/// gpu/, tests/, and of emulation/ what is a kernel or its host side, not what these are made of.
+/// The kernels and their host side in both tiers, and tests; not what these are made of.
 bool is_kernel_text(std::string_view line) {
     const auto has = [&](std::string_view part) {
         return line.find(part) != std::string_view::npos;
     };
     if (has("gpu/") || has("tests/")) return true;
-    return has("emulation/") && !has("emulation/simt/") && !has("/atomics.h") &&
-           !has("/device.h") && !has("/device_buffer.h") && !has("/watch.h");
+    return has("emulation/kernels/") || has("emulation/host/");
 }
 
 /// addr2line prints the address and then a line for each inlined call, innermost first.

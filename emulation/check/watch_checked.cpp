@@ -1,7 +1,8 @@
+#include "emulation/check/watch_checked.h"
+
 // Part of programs that check only: compiled with SCOTTY_CHECKED, and not instrumented.
 #include <utility>
 
-#include "emulation/device/watch.h"
 #include "emulation/execution/launch_error.h"
 #include "emulation/execution/thread_order.h"
 

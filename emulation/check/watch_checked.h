@@ -14,6 +14,7 @@
 #include "emulation/check/bad_address.h"
 #include "emulation/check/memory_checker.h"
 #include "emulation/check/unheard.h"
+#include "emulation/execution/buffer_use.h"
 #include "emulation/execution/context.h"
 #include "emulation/execution/schedule.h"
 #include "emulation/execution/shared_memory.h"

@@ -4,12 +4,7 @@
 /// else they are empty and cost nothing.
 #pragma once
 
-namespace scotty::emulation {
-
-/// How a buffer is used, as far as a checker can hold a kernel to it.
-enum class BufferUse { any, each_slot_once };
-
-}  // namespace scotty::emulation
+#include "emulation/execution/buffer_use.h"
 
 #if defined(SCOTTY_CHECKED)
 

@@ -7,7 +7,6 @@
 
 #include "emulation/execution/shared_memory.h"
 #include "emulation/execution/site.h"
-#include "emulation/simt/frame_arena.h"
 
 namespace scotty::emulation::simt {
 
@@ -16,7 +15,8 @@ constexpr std::uint32_t kLanes = 32;
 constexpr std::uint32_t kSomeOther = ~0u;
 
 class MemoryChecker;  // check/memory_checker.h
-class Interleaver;    // interleave/interleaver.h
+class Interleaver;    // simt/interleave/interleaver.h
+class FrameArena;     // simt/frame_arena.h
 struct SharedShadow;
 
 /// Where a thread of the block stands.

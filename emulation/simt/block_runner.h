@@ -16,6 +16,7 @@
 #include "emulation/execution/launch_error.h"
 #include "emulation/execution/schedule.h"
 #include "emulation/execution/thread_order.h"
+#include "emulation/simt/frame_arena.h"
 
 namespace scotty::emulation::simt {
 

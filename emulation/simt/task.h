@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include "emulation/execution/context.h"
+#include "emulation/simt/frame_arena.h"
 
 namespace scotty::emulation::simt {
 

@@ -14,6 +14,9 @@ namespace scotty::reference {
 /// "No child", "no primitive", "no node".
 constexpr std::uint32_t kNone = 0xffffffffu;
 
+/// The largest coordinate that scenes may have (loaders check it).
+constexpr float kMaxCoordinate = 1.0e12f;
+
 /// Traversal ray: hits count in the half-open interval [t_min, t_max).
 /// One 32-byte record, so that a gather through shuffled ids is two 16-byte loads.
 struct alignas(16) Ray {
@@ -55,6 +58,9 @@ struct alignas(16) WideNode {
     std::uint32_t child[Width];  ///< node id, kNone where there is none
     float low[3], high[3];       ///< box of the node itself: what ray_slabs() pads by
 };
+
+/// Nodes of a subtree that can wait at once: cut_levels() leaves no subtree that needs more.
+constexpr std::uint32_t kSubtreeStack = 128;
 
 /// Leaf of a BVH: a range of WideBvh::triangles.
 struct Leaf {

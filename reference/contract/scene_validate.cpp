@@ -6,7 +6,6 @@
 
 #include "reference/base/error.h"
 #include "reference/contract/scene.h"
-#include "reference/numerics/intersect_box.h"
 
 namespace scotty::reference {
 

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "reference/numerics/closest_in_subtree.h"
-
 namespace scotty::reference {
 namespace {
 

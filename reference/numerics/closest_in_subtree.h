@@ -15,9 +15,6 @@
 
 namespace scotty::reference {
 
-/// Nodes that can wait at once: cut_levels() leaves no subtree that needs more.
-constexpr std::uint32_t kSubtreeStack = 128;
-
 SCOTTY_HD std::uint32_t bits_of(float value) {
     std::uint32_t bits;
     memcpy(&bits, &value, sizeof bits);

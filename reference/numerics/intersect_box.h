@@ -26,8 +26,6 @@ constexpr float kBoxPad = 9.5367431640625e-7f;
 /// Reciprocals stay below 2^63, so that a zero direction component needs no special case and
 /// products with coordinates up to kMaxCoordinate stay finite: no 0 * infinity, no NaN.
 constexpr float kMaxInverse = 9.223372036854775808e18f;
-/// The largest coordinate that scenes may have (loaders check it).
-constexpr float kMaxCoordinate = 1.0e12f;
 
 SCOTTY_HD float safe_inverse(float d) {
     const float inverse = 1.0f / d;

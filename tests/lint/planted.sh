@@ -10,23 +10,23 @@ cp .clang-format .clang-tidy "$folder"
 export XDG_CACHE_HOME=$folder/cache
 cd "$folder"
 git init -q
-mkdir -p reference build
+mkdir -p reference/base build
 
 clean() {
-    cat >reference/length.h <<'TEXT'
+    cat >reference/base/length.h <<'TEXT'
 #pragma once
 inline float length_squared(float x, float y) { return x * x + y * y; }
 TEXT
-    cat >reference/length.cpp <<'TEXT'
-#include "reference/length.h"
+    cat >reference/base/length.cpp <<'TEXT'
+#include "reference/base/length.h"
 
 float twice(float x) { return length_squared(x, x); }
 TEXT
     git add -f .clang-format reference
     cat >build/compile_commands.json <<TEXT
 [ { "directory": "$folder/build",
-    "command": "c++ -I$folder -std=c++20 -o length.o -c $folder/reference/length.cpp",
-    "file": "$folder/reference/length.cpp" } ]
+    "command": "c++ -I$folder -std=c++20 -o length.o -c $folder/reference/base/length.cpp",
+    "file": "$folder/reference/base/length.cpp" } ]
 TEXT
 }
 
@@ -48,7 +48,7 @@ fails_naming() {
         exit 1
     fi
     git rm -q -f --cached -r reference
-    rm -rf reference/* && clean
+    rm -rf reference/* && mkdir reference/base && clean
     echo "seen to fail: $2 ($1)"
 }
 
@@ -56,27 +56,35 @@ clean
 passes format.sh "$clang_format"
 passes machine_paths.sh
 passes sizes.sh
-passes tidy.sh "$clang_tidy" build reference/length.cpp
+passes floors.sh
+passes tidy.sh "$clang_tidy" build reference/base/length.cpp
 
-echo 'float   thrice( float x );' >>reference/length.h
-fails_naming reference/length.h format.sh "$clang_format"
+echo 'float   thrice( float x );' >>reference/base/length.h
+fails_naming reference/base/length.h format.sh "$clang_format"
 
-printf '// see /%s/somebody/notes\n' home >>reference/length.h
-fails_naming reference/length.h:3 machine_paths.sh
+printf '// see /%s/somebody/notes\n' home >>reference/base/length.h
+fails_naming reference/base/length.h:3 machine_paths.sh
 
-head -c 524289 /dev/zero >reference/picture.exr
-fails_naming reference/picture.exr sizes.sh
+head -c 524289 /dev/zero >reference/base/picture.exr
+fails_naming reference/base/picture.exr sizes.sh
 
-seq -f '// line %g' 701 >reference/long.h
-fails_naming reference/long.h sizes.sh
+seq -f '// line %g' 701 >reference/base/long.h
+fails_naming reference/base/long.h sizes.sh
+
+echo '#include "reference/truth/tracers.h"' >>reference/base/length.h
+fails_naming 'reference/base/length.h:3: includes reference/truth/tracers.h' floors.sh
+echo '#include "gpu/kernels/dialect.h"' >>reference/base/length.h
+fails_naming 'reference/base/length.h:3: includes gpu/kernels/dialect.h' floors.sh
+echo "#pragma once" >reference/stray.h
+fails_naming 'reference/stray.h: is in no room' floors.sh
 
 # One per family of checks, in the source and in a header.
-echo 'int* none() { return 0; }' >>reference/length.cpp
-fails_naming modernize-use-nullptr tidy.sh "$clang_tidy" build reference/length.cpp
-echo 'inline float Length(float x) { return x; }' >>reference/length.h
-fails_naming 'length.h:3' tidy.sh "$clang_tidy" build reference/length.cpp
-echo 'float half(int x) { return x / 2; }' >>reference/length.cpp
-fails_naming bugprone-integer-division tidy.sh "$clang_tidy" build reference/length.cpp
-echo 'int unfinished( {' >>reference/length.cpp
-fails_naming clang-diagnostic-error tidy.sh "$clang_tidy" build reference/length.cpp
-fails_naming 'not part of the build' tidy.sh "$clang_tidy" build reference/other.cpp
+echo 'int* none() { return 0; }' >>reference/base/length.cpp
+fails_naming modernize-use-nullptr tidy.sh "$clang_tidy" build reference/base/length.cpp
+echo 'inline float Length(float x) { return x; }' >>reference/base/length.h
+fails_naming 'length.h:3' tidy.sh "$clang_tidy" build reference/base/length.cpp
+echo 'float half(int x) { return x / 2; }' >>reference/base/length.cpp
+fails_naming bugprone-integer-division tidy.sh "$clang_tidy" build reference/base/length.cpp
+echo 'int unfinished( {' >>reference/base/length.cpp
+fails_naming clang-diagnostic-error tidy.sh "$clang_tidy" build reference/base/length.cpp
+fails_naming 'not part of the build' tidy.sh "$clang_tidy" build reference/base/other.cpp

@@ -16,6 +16,7 @@
 #include "verify/base/shard.h"
 #include "verify/commands/command.h"
 #include "verify/mutants/judge.h"
+#include "verify/mutants/plant.h"
 #include "verify/report/report.h"
 
 namespace scotty::verify {
@@ -99,7 +100,8 @@ int run_mutants(const MutantsOptions& options) {
     Progress progress;
     std::size_t ended = 0;
     const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
-    run_in_processes(commands, {options.threads != 0 ? options.threads : cores, options.limit},
+    run_in_processes(run_command, commands,
+                     {options.threads != 0 ? options.threads : cores, options.limit},
                      [&](std::size_t index, const ProcessOutcome& outcome) {
                          outcomes[index] = outcome;
                          progress.show(fmt::format("{} of {} done", ++ended, commands.size()));

@@ -9,7 +9,7 @@
 #include <regex>
 #include <utility>
 
-#include "verify/commands/command.h"
+#include "verify/base/exit_code.h"
 
 namespace scotty::verify {
 

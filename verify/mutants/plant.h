@@ -6,35 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "verify/report/mutant_report.h"
+
 namespace scotty::verify {
-
-/// What has to find a fault.
-struct ExpectedCatch {
-    std::string check;              ///< MutantCatch::check (verify/mutants/judge.h)
-    std::string stage;              ///< as a regular expression, of the whole name
-    std::string says;               ///< the same of a part of what is said; empty: anything
-    std::vector<std::string> also;  ///< checks that have to fail besides
-};
-
-struct PlantedFault {
-    int number = 0;  ///< of its switch
-    std::string name;
-    std::string what;    ///< in one sentence
-    std::string file;    ///< from the project's root: "gpu/kernels/intersect.h"
-    std::string defect;  ///< of a published program that had it; mostly empty
-    std::string run;     ///< the arguments of the command that has to catch it
-    ExpectedCatch expect;
-
-    /// Of the back end whose kernels have it.
-    std::string backend() const { return file.starts_with("gpu/") ? "simt" : "emulator"; }
-};
-
-/// Nothing is planted, but little room, odd sizes or a strange order: it has to pass.
-struct HostileCondition {
-    std::string name;
-    std::string what;
-    std::string run;
-};
 
 /// The faults of the running program: a registry as JSON, and what switches one on.
 struct PlantedFaults {

@@ -14,7 +14,7 @@
 #include <memory>
 
 #include "reference/base/error.h"
-#include "verify/commands/command.h"
+#include "verify/base/exit_code.h"
 
 namespace scotty::verify {
 
@@ -40,8 +40,8 @@ File scratch_file() {
 }
 
 /// In the new process; does not return.
-[[noreturn]] void run_here(const std::vector<std::string>& words, const Running& running,
-                           unsigned seconds) {
+[[noreturn]] void run_here(const CommandRunner& run_command, const std::vector<std::string>& words,
+                           const Running& running, unsigned seconds) {
     ::dup2(::fileno(running.output.get()), STDOUT_FILENO);
     ::dup2(::fileno(running.errors.get()), STDERR_FILENO);
     const rlimit no_core{0, 0};
@@ -81,7 +81,8 @@ ProcessOutcome outcome_of(const Running& running, int status) {
 }  // namespace
 
 void run_in_processes(
-    const std::vector<std::vector<std::string>>& commands, const ProcessLimits& limits,
+    const CommandRunner& run_command, const std::vector<std::vector<std::string>>& commands,
+    const ProcessLimits& limits,
     const std::function<void(std::size_t index, const ProcessOutcome& outcome)>& done) {
     std::map<pid_t, Running> all;
     std::size_t next = 0;
@@ -92,7 +93,7 @@ void run_in_processes(
             std::fflush(nullptr);
             const pid_t process = ::fork();
             if (process < 0) fail("starting a process");
-            if (process == 0) run_here(commands[next], running, limits.seconds);
+            if (process == 0) run_here(run_command, commands[next], running, limits.seconds);
             all.emplace(process, std::move(running));
             ++next;
         }

@@ -22,12 +22,16 @@ struct ProcessLimits {
     unsigned seconds = 120;   ///< then one is ended
 };
 
-/// Runs each command line ("verify", "coil", ...; without the program's name) as run_command()
-/// would, in a fork of this process, which must not have started threads until then. `done` is
+/// What a whole command line does in this process; returns its exit code.
+using CommandRunner = std::function<int(int argc, char** argv)>;
+
+/// Hands each command line ("verify", "coil", ...; without the program's name) to `run_command`,
+/// in a fork of this process, which must not have started threads until then. `done` is
 /// called in the order in which they end. Throws missing_environment where a process cannot be
 /// started.
 void run_in_processes(
-    const std::vector<std::vector<std::string>>& commands, const ProcessLimits& limits,
+    const CommandRunner& run_command, const std::vector<std::vector<std::string>>& commands,
+    const ProcessLimits& limits,
     const std::function<void(std::size_t index, const ProcessOutcome& outcome)>& done);
 
 }  // namespace scotty::verify

@@ -10,10 +10,9 @@
 #include "reference/contract/pipeline_parameters.h"
 #include "verify/capture/failure.h"
 #include "verify/invariants/invariants.h"
-#include "verify/mutants/judge.h"
 #include "verify/oracles/hit_check.h"
+#include "verify/report/mutant_report.h"
 #include "verify/report/report_images.h"
-#include "verify/sweep/configurations.h"
 
 namespace scotty::verify {
 

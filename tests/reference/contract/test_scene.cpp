@@ -26,7 +26,7 @@ Scene sound_scene() {
     return scene;
 }
 
-Light area_light() {
+Light emitting_square() {
     Light light;
     light.kind = LightKind::parallelogram;
     light.edge_x = Vec3(2, 0, 0);
@@ -46,7 +46,7 @@ void check_rejected(const Scene& broken, const std::string& element, const std::
 
 TEST_CASE("scene: a sound one passes without a word", "[scene]") {
     Scene scene = sound_scene();
-    scene.lights.push_back(area_light());
+    scene.lights.push_back(emitting_square());
     scene.normals.assign(3, Vec3(0, 0, 1));
     validate_and_repair(scene);
     CHECK(scene.warnings.empty());
@@ -125,7 +125,7 @@ TEST_CASE("scene: material values out of range name the material and the field",
 
 TEST_CASE("scene: light values out of range name the light and the field", "[scene]") {
     Scene scene = sound_scene();
-    scene.lights.push_back(area_light());
+    scene.lights.push_back(emitting_square());
     Light& light = scene.lights[1];
     SECTION("negative radiance") {
         light.radiance.x = -1.0f;

@@ -156,7 +156,7 @@ TEST_CASE("mutants: each command has a process of its own, with its exit code an
           "[verify][mutants]") {
     std::vector<ProcessOutcome> outcomes(3);
     run_in_processes(
-        {{"list"}, {"render", "no-such-scene", "-o", "x.png"}, {"--version"}},
+        run_command, {{"list"}, {"render", "no-such-scene", "-o", "x.png"}, {"--version"}},
         {.at_once = 2, .seconds = 60},
         [&](std::size_t index, const ProcessOutcome& outcome) { outcomes[index] = outcome; });
     CHECK(outcomes[0].exit_code == kExitPassed);

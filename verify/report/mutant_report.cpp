@@ -1,4 +1,5 @@
-/// The score, as text and as JSON.
+#include "verify/report/mutant_report.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,7 +8,6 @@
 
 #include "reference/base/error.h"
 #include "verify/base/shard.h"
-#include "verify/mutants/judge.h"
 #include "verify/report/report_file.h"
 
 namespace scotty::verify {
