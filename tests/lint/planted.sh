@@ -57,6 +57,9 @@ passes format.sh "$clang_format"
 passes machine_paths.sh
 passes sizes.sh
 passes floors.sh
+mkdir docs
+echo "\`reference/base/length.h\`" >docs/architecture.md
+passes architecture.sh
 passes tidy.sh "$clang_tidy" build reference/base/length.cpp
 
 echo 'float   thrice( float x );' >>reference/base/length.h
@@ -75,6 +78,8 @@ echo '#include "reference/truth/tracers.h"' >>reference/base/length.h
 fails_naming 'reference/base/length.h:3: includes reference/truth/tracers.h' floors.sh
 echo '#include "gpu/kernels/dialect.h"' >>reference/base/length.h
 fails_naming 'reference/base/length.h:3: includes gpu/kernels/dialect.h' floors.sh
+echo "\`reference/base/gone.h\`" >docs/architecture.md
+fails_naming reference/base/gone.h architecture.sh
 echo "#pragma once" >reference/stray.h
 fails_naming 'reference/stray.h: is in no room' floors.sh
 
