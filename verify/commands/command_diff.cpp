@@ -39,16 +39,30 @@ bool compares_images(const DiffCommand& options) {
     return options.backends.empty() && (is_image_path(options.a) || is_image_path(options.b));
 }
 
+/// Images are told in the order EXPECTED NEW, as captures are; who has them the other way round
+/// mostly has the golden file second.
+void hint_at_order(const DiffCommand& options) {
+    const auto is_golden = [](const std::string& path) {
+        return path.find("golden/") != std::string::npos;
+    };
+    if (is_golden(options.b) && !is_golden(options.a)) {
+        spdlog::warn(
+            "{} looks like a golden image and is given as the new one: the order is "
+            "scotty diff GOLDEN IMAGE",
+            options.b);
+    }
+}
+
 int run_image_diff(const DiffCommand& options) {
     if (options.b.empty()) {
         throw Error::bad_input(options.a,
-                               "expected the golden image to hold it against: scotty "
-                               "diff IMAGE GOLDEN");
+                               "expected an image to hold against it: scotty diff GOLDEN IMAGE");
     }
     if (!options.backend.empty() || options.isolated || !options.stages.empty()) {
         throw Error::bad_input("scotty diff",
                                "--backend, --isolated and --stages are for captures, not images");
     }
+    hint_at_order(options);
     if (!options.image.heat_map.empty()) check_image_path(options.image.heat_map);
     const ImageDiff diff = diff_images(options.a, options.b, options.image);
     if (!options.image.heat_map.empty()) {
@@ -59,6 +73,7 @@ int run_image_diff(const DiffCommand& options) {
         }
     }
     print_result(options.json ? to_json(diff).dump(2) : to_text(diff));
+    if (!diff.verdict.not_judged.empty()) return kExitUsage;
     return diff.verdict.passed() ? kExitPassed : kExitFailed;
 }
 
@@ -147,10 +162,10 @@ DiffReport compare(const DiffCommand& options) {
 int run_diff(const DiffCommand& options) {
     if (compares_images(options)) return run_image_diff(options);
     if (options.image_options) {
-        throw Error::bad_input(
-            "scotty diff",
-            "--false-alarm, --heavy-tailed, --tolerance, --samples, "
-            "--also and --heatmap are for images, which end in .exr, .png or the like");
+        throw Error::bad_input("scotty diff",
+                               "--false-alarm, --heavy-tailed, --tolerance, --samples, "
+                               "--also, --part, --layer and --heatmap are for images, which end in "
+                               ".exr, .png or the like");
     }
     const DiffReport report = compare(options);
     if (report.stages.empty()) {
@@ -186,12 +201,18 @@ void add_image_options(CLI::App& command, const std::shared_ptr<DiffCommand>& op
         ->check(CLI::Range(0.0, 1.0))
         ->type_name("REL");
     given(command.add_option("--samples", options->image.samples,
-                             "a pixel of IMAGE has, where the file does not say"))
+                             "a pixel of IMAGE has, where the file does not say (for --also)"))
         ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 31));
     given(command.add_option("--also", options->image.also,
                              "renders like IMAGE with other seeds: its noise is what they differ "
                              "by"))
         ->type_name("FILE");
+    given(command.add_option("--part", options->image.choice.part,
+                             "of files that hold several pictures: this one, by name or number"))
+        ->type_name("NAME");
+    given(command.add_option("--layer", options->image.choice.layer,
+                             "the channels NAME.R, NAME.G, NAME.B"))
+        ->type_name("NAME");
     given(command.add_option("--heatmap", options->image.heat_map,
                              "write where they differ: z, or ulps where noise is not known"))
         ->type_name("FILE.png");
@@ -214,22 +235,24 @@ void add_diff_command(CLI::App& app, Action& action) {
         "  scotty diff --backends emulator,simt coil --size 32x24 --width 4\n"
         "  scotty diff --backends simt,coil.cuda --isolated\n"
         "  scotty diff A B --stages '*/intersect' --json\n"
-        "  scotty diff IMAGE.exr GOLDEN.exr            (by noise, where the files know theirs)\n"
-        "  scotty diff cuda.exr GOLDEN.exr --samples 256 --heatmap z.png\n"
-        "  scotty diff a.exr GOLDEN.exr --also b.exr c.exr d.exr\n"
-        "  scotty diff a.png b.png --tolerance 0.02\n\n"
+        "  scotty diff GOLDEN.exr IMAGE.exr            (by noise, where the files know theirs)\n"
+        "  scotty diff GOLDEN.exr a.exr --also b.exr c.exr d.exr --heatmap z.png\n"
+        "  scotty diff GOLDEN.exr image.npy --tolerance 0.02\n"
+        "  scotty diff GOLDEN.exr coil.cuda            (the image of a capture)\n\n"
         "Verdicts: identical, reordered (where the order is free), differs. Exit code 1 where\n"
         "anything differs, is missing on one side, or is not finite. Images: layout, finite, then "
-        "the\nmean of all, of 8x8 tiles and of pixels by their noise; where neither image knows "
-        "its noise,\nequal bits or --tolerance.");
+        "the\nmean of all, of 8x8 tiles and of pixels by their noise. Where an image does not know "
+        "its "
+        "noise\nand the bits differ there is no verdict (exit code 2), unless --tolerance states "
+        "one.");
     auto options = std::make_shared<DiffCommand>();
     options->parameters.image_width = 64;
     options->parameters.image_height = 64;
     options->parameters.spp = 1;
     command->add_option("a", options->a,
-                        "a capture: what is expected; with --backends: a scene; or an image");
+                        "what is expected: a capture or a golden image; with --backends: a scene");
     command->add_option("b", options->b,
-                        "another capture, none: --backend runs; or the golden image");
+                        "what is new: a capture or an image; none: --backend runs");
     command->add_option("--backend", options->backend,
                         "emulator, simt or cuda: who runs the pipeline [emulator]");
     command

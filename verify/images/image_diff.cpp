@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "reference/base/error.h"
@@ -42,7 +43,7 @@ void merge_renders(ImageDiff& diff) {
     };
     for (std::size_t i = 0; i < image.mean.size(); ++i) add(i, image.mean[i]);
     for (const std::string& path : also) {
-        const MeasuredImage other = read_image(path).image;
+        const MeasuredImage other = read_image(path, diff.settings.choice).image;
         const bool alike = other.width == image.width && other.height == image.height &&
                            (other.samples == 0 || other.samples == image.samples);
         if (!alike) {
@@ -67,14 +68,11 @@ void merge_renders(ImageDiff& diff) {
 }
 
 std::string way_out(const MeasuredImage& image, const MeasuredImage& golden) {
-    if (golden.variance.empty()) {
-        return "write channels variance.R, variance.G, variance.B, or state --tolerance";
+    if (!golden.variance.empty() && image.variance.empty()) {
+        return "render it again with more than one sample a pixel to an .exr, which then says its "
+               "noise; give renders with other seeds by --also; or state a --tolerance";
     }
-    if (image.samples == 0 && golden.samples != 0) {
-        return "give renders with other seeds by --also, or state the image's samples a pixel with "
-               "--samples to judge it by the golden image's noise, or --tolerance";
-    }
-    return "state --tolerance";
+    return "write channels variance.R, variance.G, variance.B, or state a --tolerance";
 }
 
 void judge(ImageDiff& diff) {
@@ -83,35 +81,38 @@ void judge(ImageDiff& diff) {
     const std::string unknown = NoisyPair::why_not(image, golden);
     if (diff.settings.tolerance) {
         diff.basis = ImageDiff::Basis::tolerance;
-        diff.note =
-            fmt::format("judged by --tolerance {:g}, not by noise", *diff.settings.tolerance);
+        diff.notes.push_back(
+            fmt::format("judged by --tolerance {:g}, not by noise", *diff.settings.tolerance));
+        diff.verdict = judge_by_tolerance(image, golden, *diff.settings.tolerance);
     } else if (!unknown.empty() && NoisyPair::other_layout(image, golden).empty()) {
         diff.basis = ImageDiff::Basis::bits;
-        diff.note = fmt::format("{}; judged bit for bit ({})", unknown, way_out(image, golden));
+        diff.verdict =
+            judge_bits(image, golden, fmt::format("{}: {}", unknown, way_out(image, golden)));
+    } else {
+        diff.verdict = judge_image(image, golden, diff.settings.gates);
     }
-    diff.verdict = diff.basis == ImageDiff::Basis::noise
-                       ? judge_image(image, golden, diff.settings.gates)
-                       : judge_without_noise(image, golden, diff.settings.tolerance.value_or(0.0));
-    if (diff.basis == ImageDiff::Basis::noise && unknown.empty() &&
-        (image.variance.empty() || golden.variance.empty())) {
-        diff.note = fmt::format(
-            "{} has no variances: taken from the other's by their samples, as if a path were as "
-            "noisy in both; where it is noisier (fewer light samples a path, say), that is a false "
-            "alarm: give renders with other seeds by --also",
-            image.variance.empty() ? "the image" : "the golden image");
+}
+
+void note_what_was_not_read(ImageDiff& diff) {
+    for (const auto& [path, read] :
+         {std::pair(&diff.golden_path, &diff.golden), std::pair(&diff.image_path, &diff.image)}) {
+        if (read->not_read.empty()) continue;
+        diff.notes.push_back(fmt::format("{}: not judged: {} (--part and --layer choose another)",
+                                         *path, fmt::join(read->not_read, ", ")));
     }
 }
 
 }  // namespace
 
-ImageDiff diff_images(const std::string& image, const std::string& golden,
+ImageDiff diff_images(const std::string& golden, const std::string& image,
                       const ImageDiffSettings& settings) {
     ImageDiff diff;
-    diff.image_path = image;
     diff.golden_path = golden;
+    diff.image_path = image;
     diff.settings = settings;
-    diff.image = read_image(image);
-    diff.golden = read_image(golden);
+    diff.golden = read_image(golden, settings.choice);
+    diff.image = read_image(image, settings.choice);
+    note_what_was_not_read(diff);
     state_samples(diff);
     merge_renders(diff);
     judge(diff);

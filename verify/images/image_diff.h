@@ -1,4 +1,4 @@
-/// An image file against its golden image: `scotty diff IMAGE GOLDEN`.
+/// An image file against its golden image: `scotty diff GOLDEN IMAGE`.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,9 @@ namespace scotty::verify {
 
 struct ImageDiffSettings {
     GateSettings gates;
-    /// Judge by this and not by noise (judge_without_noise).
+    /// Judge by this and not by noise (judge_by_tolerance).
     std::optional<double> tolerance;
+    ImageChoice choice;         ///< of a file with several parts or layers, on both sides
     std::uint64_t samples = 0;  ///< a pixel of the image has, where its file does not say; 0: none
     std::string heat_map;       ///< .png or .exr to write; empty: none
     /// The same render with other seeds: the image judged is then the mean of all, and its noise
@@ -27,17 +28,18 @@ struct ImageDiff {
     /// What the verdict rests on; never mixed.
     enum class Basis { noise, tolerance, bits };
 
-    std::string image_path, golden_path;
-    ReadImage image, golden;
+    std::string golden_path, image_path;
+    ReadImage golden, image;
     ImageDiffSettings settings;
     Basis basis = Basis::noise;
-    std::string note;  ///< why not by noise, and the way to it; empty where it is
+    std::vector<std::string> notes;  ///< what was not judged, or not by noise, and the way to it
     ImageVerdict verdict;
 };
 
-/// Reads both and judges: by noise where it is known, else by a stated tolerance, else bit for bit.
+/// Reads both and judges: by a stated tolerance, else by noise where both images know theirs, else
+/// whether the bits are equal; where these are not, there is no verdict (ImageVerdict::not_judged).
 /// Throws bad_input as read_image does, and for a sample count that contradicts the file's.
-ImageDiff diff_images(const std::string& image, const std::string& golden,
+ImageDiff diff_images(const std::string& golden, const std::string& image,
                       const ImageDiffSettings& settings);
 
 /// Largest z of each pixel from 0 to 8, or, where noise is not known, log2 of 1 + units in the last

@@ -63,15 +63,16 @@ ordered_json to_json(const std::string& path, const ReadImage& read) {
             {"samples", image.samples == 0 ? ordered_json(nullptr) : ordered_json(image.samples)},
             {"paths_per_sample", image.paths_per_sample},
             {"variances", !image.variance.empty()},
-            {"attributes", read.attributes}};
+            {"attributes", read.attributes},
+            {"not_read", read.not_read}};
 }
 
 }  // namespace
 
 std::string to_text(const ImageDiff& diff) {
-    std::string out = fmt::format("image   {}: {}\ngolden  {}: {}\n", diff.image_path,
-                                  about(diff.image), diff.golden_path, about(diff.golden));
-    if (!diff.note.empty()) out += fmt::format("note    {}\n", diff.note);
+    std::string out = fmt::format("golden  {}: {}\nimage   {}: {}\n", diff.golden_path,
+                                  about(diff.golden), diff.image_path, about(diff.image));
+    for (const std::string& note : diff.notes) out += fmt::format("note    {}\n", note);
     out += fmt::format("\n{:<8} {:<8} worst\n", "gate", "verdict");
     for (const GateResult& result : diff.verdict.gates) {
         out += fmt::format("{:<8} {:<8} {}\n", name(result.gate), outcome(result), result.text);
@@ -86,6 +87,10 @@ std::string to_text(const ImageDiff& diff) {
         return out +
                fmt::format("\ndiffers, by the {} gate: {}\n", name(failed->gate), failed->text);
     }
+    if (!diff.verdict.not_judged.empty()) {
+        return out +
+               fmt::format("\nnot judged: the images differ, and {}\n", diff.verdict.not_judged);
+    }
     return out + (diff.basis == ImageDiff::Basis::noise
                       ? fmt::format("\npassed: no difference beyond noise; a sound image fails "
                                     "with probability {:g} at most\n",
@@ -97,12 +102,13 @@ ordered_json to_json(const ImageDiff& diff) {
     const auto& tolerance = diff.settings.tolerance;
     ordered_json out = {{"passed", diff.verdict.passed()},
                         {"basis", to_string(diff.basis)},
-                        {"note", diff.note},
+                        {"not_judged", diff.verdict.not_judged},
+                        {"notes", diff.notes},
                         {"false_alarm", diff.settings.gates.false_alarm},
                         {"light_tailed", diff.settings.gates.light_tailed},
                         {"tolerance", tolerance ? ordered_json(*tolerance) : ordered_json(nullptr)},
-                        {"image", to_json(diff.image_path, diff.image)},
-                        {"golden", to_json(diff.golden_path, diff.golden)}};
+                        {"golden", to_json(diff.golden_path, diff.golden)},
+                        {"image", to_json(diff.image_path, diff.image)}};
     out.update(to_json(diff.verdict));
     return out;
 }

@@ -141,10 +141,12 @@ class Worst {
         const double share =
             worst_.golden != 0.0 ? 100.0 * (worst_.image / worst_.golden - 1.0) : 0.0;
         result.text = fmt::format(
-            "{}, {}: {:.6g} against {:.6g} ({:+.2f} %), {:.1f} standard deviations, p = {:.1e} {} "
-            "{:.1e}",
-            place_of(result), kChannels[result.channel], worst_.image, worst_.golden, share,
-            worst_.statistic, result.p_value, result.passed ? "not below" : "below", threshold);
+            "{}, {}: {:.6g} against {:.6g} ({:+.2f} %), {}, p = {:.1e} {} {:.1e}", place_of(result),
+            kChannels[result.channel], worst_.image, worst_.golden, share,
+            std::isfinite(worst_.statistic)
+                ? fmt::format("{:.1f} standard deviations", worst_.statistic)
+                : "where neither image has any noise",
+            result.p_value, result.passed ? "not below" : "below", threshold);
         return result;
     }
 
@@ -301,7 +303,7 @@ std::string_view name(Gate gate) {
 
 double false_alarm_per_image(double run, std::uint64_t images) { return sidak(run, images); }
 
-bool ImageVerdict::passed() const { return first_failure() == nullptr; }
+bool ImageVerdict::passed() const { return first_failure() == nullptr && not_judged.empty(); }
 
 const GateResult* ImageVerdict::first_failure() const {
     const auto failed = std::find_if(gates.begin(), gates.end(),
@@ -324,8 +326,8 @@ ImageVerdict judge_image(const MeasuredImage& image, const MeasuredImage& golden
     return verdict;
 }
 
-ImageVerdict judge_without_noise(const MeasuredImage& image, const MeasuredImage& golden,
-                                 double tolerance) {
+ImageVerdict judge_by_tolerance(const MeasuredImage& image, const MeasuredImage& golden,
+                                double tolerance) {
     ImageVerdict verdict;
     if (!passes_the_first_two(image, golden, NoisyPair::other_layout(image, golden), {Gate::equal},
                               verdict)) {
@@ -334,6 +336,17 @@ ImageVerdict judge_without_noise(const MeasuredImage& image, const MeasuredImage
     verdict.gates.front().text = "same size";
     verdict.gates.push_back(equal_gate(image, golden, tolerance));
     verdict.worst = worst_pixels(image, golden, {});
+    return verdict;
+}
+
+ImageVerdict judge_bits(const MeasuredImage& image, const MeasuredImage& golden,
+                        const std::string& why) {
+    ImageVerdict verdict = judge_by_tolerance(image, golden, 0.0);
+    GateResult& last = verdict.gates.back();
+    if (last.gate == Gate::equal && last.failed()) {
+        last.ran = false;
+        verdict.not_judged = why;
+    }
     return verdict;
 }
 

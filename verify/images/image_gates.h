@@ -70,20 +70,27 @@ struct WorstPixel {
 struct ImageVerdict {
     std::vector<GateResult> gates;
     ImageMetrics metrics;
-    std::vector<WorstPixel> worst;            ///< worst first, at most 10
+    std::vector<WorstPixel> worst;  ///< worst first, at most 10
+    /// Empty, or why the images differ and nobody can say whether by more than noise.
+    std::string not_judged;
     bool passed() const;                      ///< every gate that ran, or it is waived
     const GateResult* first_failure() const;  ///< null where none
 };
 
-/// A variance that is missing on one side follows from the other's where both say their samples.
-/// Never throws for a bad image: that is the layout or the finite gate's finding.
+/// By noise, which both images have to know. Never throws for a bad image: that is the layout or
+/// the finite gate's finding.
 ImageVerdict judge_image(const MeasuredImage& image, const MeasuredImage& golden,
                          const GateSettings& settings);
 
-/// The same where neither image knows its noise: layout, finite, and `equal`. A tolerance of 0
-/// means the same bits; otherwise values may be off by that share of the larger of both, or of the
-/// golden image's mean where that is more.
-ImageVerdict judge_without_noise(const MeasuredImage& image, const MeasuredImage& golden,
-                                 double tolerance);
+/// By a stated tolerance: layout, finite, and `equal`. A tolerance of 0 means the same bits;
+/// otherwise values may be off by that share of the larger of both, or of the golden image's mean
+/// where that is more.
+ImageVerdict judge_by_tolerance(const MeasuredImage& image, const MeasuredImage& golden,
+                                double tolerance);
+
+/// Where noise is not known and no tolerance is stated: layout, finite, and whether the bits are
+/// equal. Where they are not, the verdict is `not_judged`: `why`.
+ImageVerdict judge_bits(const MeasuredImage& image, const MeasuredImage& golden,
+                        const std::string& why);
 
 }  // namespace scotty::verify

@@ -43,20 +43,16 @@ std::string NoisyPair::other_layout(const MeasuredImage& image, const MeasuredIm
 std::string NoisyPair::why_not(const MeasuredImage& image, const MeasuredImage& golden) {
     std::string layout = other_layout(image, golden);
     if (!layout.empty()) return layout;
-    if (image.variance.empty() && golden.variance.empty()) {
-        return "neither image says how noisy it is: no variances";
-    }
     for (const bool ours : {true, false}) {
         const MeasuredImage& one = ours ? image : golden;
-        const MeasuredImage& other = ours ? golden : image;
         const char* who = ours ? "the image" : "the golden image";
-        if (one.variance.empty() && (one.samples == 0 || other.samples == 0)) {
-            return fmt::format(
-                "{} has no variances, and without the samples of both they do not "
-                "follow from the other's",
-                who);
+        if (one.variance.empty()) {
+            return one.samples == 1
+                       ? fmt::format("{} has one sample a pixel, which tells nothing of its noise",
+                                     who)
+                       : fmt::format("{} does not say how noisy it is: no variances", who);
         }
-        if (!one.variance.empty() && one.samples == 1) {
+        if (one.samples == 1) {
             return fmt::format("{} claims to know a variance from a single sample", who);
         }
     }
@@ -86,7 +82,6 @@ NoisyPair::Sums NoisyPair::sums(const Side& side, const Region& region, std::siz
         for (std::uint32_t x = region.x; x < region.x + region.width; ++x) {
             const std::size_t pixel = std::size_t{y} * side.image->width + x;
             sums.value += side.image->mean[pixel][channel];
-            if (side.image->variance.empty()) continue;
             const double variance = side.image->variance[pixel][channel];
             sums.variance += variance;
             sums.squared_variance += variance * variance;

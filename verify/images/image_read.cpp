@@ -5,13 +5,18 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "reference/base/error.h"
+#include "verify/capture/capture.h"
+#include "verify/capture/npy.h"
 #include "verify/images/srgb.h"
 
 namespace scotty::verify {
@@ -57,7 +62,7 @@ void expect_whole_flat_image(const OIIO::ImageSpec& spec, const std::string& pat
 }
 
 /// Where the three channels are; false where none of them is there, an error where only some are.
-bool find_channels(const OIIO::ImageSpec& spec, const std::array<const char*, 3>& names,
+bool find_channels(const OIIO::ImageSpec& spec, const std::array<std::string, 3>& names,
                    const std::string& path, Channels& found) {
     std::size_t count = 0;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -74,21 +79,57 @@ bool find_channels(const OIIO::ImageSpec& spec, const std::array<const char*, 3>
     return count == 3;
 }
 
-Channels color_channels(const OIIO::ImageSpec& spec, const std::string& path) {
+/// "diffuse" of "diffuse.R"; empty for a channel of no layer, as ours of a variance are.
+std::string layer_of(const std::string& channel) {
+    const std::size_t dot = channel.rfind('.');
+    std::string layer = dot == std::string::npos ? std::string() : channel.substr(0, dot);
+    if (layer == "variance") return {};
+    if (layer.ends_with(".variance")) layer.resize(layer.size() - sizeof "variance");
+    return layer;
+}
+
+std::vector<std::string> layers_of(const OIIO::ImageSpec& spec) {
+    std::vector<std::string> layers;
+    for (const std::string& channel : spec.channelnames) {
+        const std::string layer = layer_of(channel);
+        const bool known = std::find(layers.begin(), layers.end(), layer) != layers.end();
+        if (!layer.empty() && !known) layers.push_back(layer);
+    }
+    return layers;
+}
+
+Channels color_channels(const OIIO::ImageSpec& spec, const std::string& prefix,
+                        const std::string& path) {
     Channels found{};
-    if (find_channels(spec, {"R", "G", "B"}, path, found)) return found;
-    const int grey = spec.channelindex("Y");
+    if (find_channels(spec, {prefix + "R", prefix + "G", prefix + "B"}, path, found)) return found;
+    const int grey = spec.channelindex(prefix + "Y");
     if (grey < 0) {
-        throw Error::bad_input(path, fmt::format("expected the channels R, G, B (or Y), found {}",
-                                                 fmt::join(spec.channelnames, ", ")));
+        const std::vector<std::string> layers = layers_of(spec);
+        throw Error::bad_input(
+            path,
+            fmt::format("expected the channels {0}R, {0}G, {0}B (or {0}Y), found {1}{2}", prefix,
+                        fmt::join(spec.channelnames, ", "),
+                        layers.empty() ? "" : "; choose a layer with --layer " + layers.front()));
     }
     found.fill(static_cast<std::size_t>(grey));
     return found;
 }
 
+bool is_linear(std::string_view color_space) {
+    const auto same = [&](std::string_view word) {
+        return std::equal(
+            color_space.begin(), color_space.end(), word.begin(), word.end(),
+            [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); });
+    };
+    return same("linear") || same("scene_linear") || same("lin_srgb");
+}
+
+/// OpenImageIO spells the colour space differently from format to format; a gamma of 1 is linear
+/// too.
 bool is_encoded(const OIIO::ImageSpec& spec) {
     return !spec.format.is_floating_point() &&
-           spec.get_string_attribute("oiio:ColorSpace") != "Linear";
+           !is_linear(spec.get_string_attribute("oiio:ColorSpace")) &&
+           spec.get_float_attribute("oiio:Gamma") != 1.0f;
 }
 
 ImageAttributes own_attributes(const OIIO::ImageSpec& spec) {
@@ -122,24 +163,58 @@ std::vector<Color> extract(const std::vector<float>& values, std::size_t channel
     return colors;
 }
 
-}  // namespace
+std::string part_name(const OIIO::ImageSpec& spec, int index) {
+    const std::string name = spec.get_string_attribute("oiio:subimagename");
+    return name.empty() ? std::to_string(index) : name;
+}
 
-ReadImage read_image(const std::string& path) {
+/// Moves `input` to the chosen part, and tells the others' names.
+void choose_part(OIIO::ImageInput& input, const ImageChoice& choice, const std::string& path,
+                 std::vector<std::string>& not_read) {
+    std::vector<std::string> names;
+    int chosen = choice.part.empty() ? 0 : -1;
+    for (int i = 0; input.seek_subimage(i, 0); ++i) {
+        names.push_back(part_name(input.spec(), i));
+        if (chosen < 0 && (names.back() == choice.part || std::to_string(i) == choice.part)) {
+            chosen = i;
+        }
+    }
+    (void)input.geterror();  // that there is no further part is no error
+    if (chosen < 0) {
+        throw Error::bad_input(path, fmt::format("has no part '{}'; its parts are {}", choice.part,
+                                                 fmt::join(names, ", ")));
+    }
+    if (!input.seek_subimage(chosen, 0)) {
+        throw Error::bad_input(path, "is damaged or cut short: " + input.geterror());
+    }
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        if (static_cast<int>(i) != chosen) not_read.push_back("part '" + names[i] + "'");
+    }
+}
+
+ReadImage read_file(const std::string& path, const ImageChoice& choice) {
+    ReadImage read;
     const auto input = open(path);
+    choose_part(*input, choice, path, read.not_read);
     const OIIO::ImageSpec spec = input->spec();
     expect_whole_flat_image(spec, path);
-    const Channels color = color_channels(spec, path);
+    for (const std::string& layer : layers_of(spec)) {
+        if (layer != choice.layer) read.not_read.push_back("layer '" + layer + "'");
+    }
+    const std::string prefix = choice.layer.empty() ? std::string() : choice.layer + ".";
+    const Channels color = color_channels(spec, prefix, path);
     Channels variance{};
     const bool noisy =
-        find_channels(spec, {"variance.R", "variance.G", "variance.B"}, path, variance);
+        find_channels(spec, {prefix + "variance.R", prefix + "variance.G", prefix + "variance.B"},
+                      path, variance);
 
     const auto channels = static_cast<std::size_t>(spec.nchannels);
     std::vector<float> values(static_cast<std::size_t>(spec.width) *
                               static_cast<std::size_t>(spec.height) * channels);
-    if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, values.data())) {
+    if (!input->read_image(input->current_subimage(), 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT,
+                           values.data())) {
         throw Error::bad_input(path, "is damaged or cut short: " + input->geterror());
     }
-    ReadImage read;
     read.encoding = spec.format.c_str();
     read.attributes = own_attributes(spec);
     read.image.width = static_cast<std::uint32_t>(spec.width);
@@ -151,13 +226,69 @@ ReadImage read_image(const std::string& path) {
     return read;
 }
 
+/// Radiance as an array of numbers.
+ReadImage from_array(std::span<const float> values, std::size_t width, std::size_t height) {
+    ReadImage read;
+    read.encoding = "float";
+    read.image.width = static_cast<std::uint32_t>(width);
+    read.image.height = static_cast<std::uint32_t>(height);
+    read.image.mean = extract({values.begin(), values.end()}, 3, {0, 1, 2}, false);
+    return read;
+}
+
+ReadImage read_array(const std::string& path) {
+    const NpyArray array = read_npy(path);
+    const bool is_picture = array.type == reference::ElementType::float32 &&
+                            array.shape.size() == 3 && array.shape[2] == 3 && array.shape[0] > 0 &&
+                            array.shape[1] > 0 && array.shape[0] * array.shape[1] <= kMostPixels;
+    if (!is_picture) {
+        throw Error::bad_input(path,
+                               fmt::format("expected float32 [height, width, 3], found {} {}",
+                                           verify::to_string(array.type), shape_text(array.shape)));
+    }
+    return from_array(array.get<float>(), array.shape[1], array.shape[0]);
+}
+
+/// The image that a captured run ended with.
+ReadImage read_capture(const std::string& path) {
+    const Capture capture = Capture::open(path);
+    const reference::PipelineParameters& p = capture.header().parameters;
+    for (auto stage = capture.stages().rbegin(); stage != capture.stages().rend(); ++stage) {
+        const BufferRecord* image = stage->output("filtered");
+        if (image == nullptr) image = stage->output("image");
+        if (image == nullptr) continue;
+        const reference::OwnedBuffer buffer = capture.load(*stage, *image);
+        const auto* first = reinterpret_cast<const float*>(buffer.bytes.data());
+        ReadImage read =
+            from_array({first, buffer.bytes.size() / sizeof(float)}, p.image_width, p.image_height);
+        read.image.samples = p.spp;
+        return read;
+    }
+    throw Error::bad_input(path, "this capture has no image: capture reconstruct_image too");
+}
+
+}  // namespace
+
+ReadImage read_image(const std::string& path, const ImageChoice& choice) {
+    const bool chooses = !choice.part.empty() || !choice.layer.empty();
+    const bool array = fs::path(path).extension() == ".npy";
+    std::error_code ignored;
+    const bool folder = fs::exists(fs::path(path) / "index.json", ignored);
+    if (chooses && (array || folder)) {
+        throw Error::bad_input(path, "has no parts and layers to choose from");
+    }
+    if (array) return read_array(path);
+    return folder ? read_capture(path) : read_file(path, choice);
+}
+
 bool is_image_path(const std::string& path) {
     std::string extension = fs::path(path).extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char letter) {
         return static_cast<char>(letter >= 'A' && letter <= 'Z' ? letter - 'A' + 'a' : letter);
     });
-    static constexpr std::array kExtensions{".exr", ".png",  ".hdr", ".pfm", ".tif", ".tiff",
-                                            ".jpg", ".jpeg", ".bmp", ".ppm", ".tga", ".webp"};
+    static constexpr std::array kExtensions{".exr", ".npy",  ".png", ".hdr",  ".pfm",
+                                            ".tif", ".tiff", ".jpg", ".jpeg", ".bmp",
+                                            ".ppm", ".tga",  ".webp"};
     return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
 }
 

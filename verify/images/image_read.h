@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "verify/images/image_file.h"
 #include "verify/images/measured_image.h"
@@ -12,16 +13,27 @@ struct ReadImage {
     MeasuredImage image;
     ImageAttributes attributes;  ///< those whose names begin with "scotty:", numbers as text
     std::string encoding;        ///< "float", "half", "uint8": what the file holds
+    /// What the file holds besides and nobody looked at: "part 'left'", "layer 'diffuse'".
+    std::vector<std::string> not_read;
 };
 
-/// Reads whatever OpenImageIO reads, channels by name: R, G, B, or Y alone for grey; variance.R,
-/// variance.G, variance.B where a file has them; all others, alpha too, are left. Integers are
-/// taken to be sRGB unless the file says that they are linear. Throws bad_input naming the file:
-/// missing, not an image, cut short, other channels, only a part of its picture, deep.
-ReadImage read_image(const std::string& path);
+/// Which picture of a file that holds several; empty: the first part, and the channels without a
+/// layer's name.
+struct ImageChoice {
+    std::string part;
+    std::string layer;
+};
+
+/// Reads whatever OpenImageIO reads, NumPy's .npy of shape [height, width, 3] (what `scotty-gpu run
+/// --image` writes), and the last image of a capture's folder. Channels go by name: R, G, B, or Y
+/// alone for grey; variance.R, variance.G, variance.B where a file has them; all others, alpha too,
+/// are left. Integers are taken to be sRGB unless the file says that they are linear. Throws
+/// bad_input naming the file: missing, not an image, cut short, other channels, no such part or
+/// layer, only a part of its picture, deep.
+ReadImage read_image(const std::string& path, const ImageChoice& choice = {});
 
 /// Whether a word of the command line means an image and not a capture or a scene: its extension
-/// is an image format's.
+/// is an image format's, or .npy.
 bool is_image_path(const std::string& path);
 
 }  // namespace scotty::verify

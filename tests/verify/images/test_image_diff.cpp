@@ -1,4 +1,4 @@
-/// `scotty diff IMAGE GOLDEN` and `scotty bench gates`, as a user runs them.
+/// `scotty diff GOLDEN IMAGE` and `scotty bench gates`, as a user runs them.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>
@@ -8,6 +8,7 @@
 #include "tests/verify/command_tools.h"
 #include "tests/verify/image_tools.h"
 #include "verify/bench/bench_gates.h"
+#include "verify/capture/npy.h"
 #include "verify/images/image_diff.h"
 #include "verify/images/image_read.h"
 #include "verify/images/planted_faults.h"
@@ -39,7 +40,7 @@ struct Pair {
         verify::write_measured_image(render, image);
     }
     Result diff(const std::string& options = "") const {
-        return scotty_here("diff " + image + " " + golden + " " + options);
+        return scotty_here("diff " + golden + " " + image + " " + options);
     }
 };
 
@@ -98,14 +99,48 @@ TEST_CASE("scotty diff: an image that does not know its noise is never passed fo
           "[verify][image][cli]") {
     const Pair pair(ImageFault::none, false);
     const Result unknown = pair.diff();
-    CHECK(unknown.exit_code == 1);
-    CHECK_THAT(unknown.out, Contains("the image has no variances") && Contains("--samples"));
-    CHECK(pair.diff("--samples 256").exit_code == 0);  // by the golden image's noise
-    CHECK_THAT(pair.diff("--samples 256").out, Contains("taken from the other's"));
-    const Pair wrong(ImageFault::brighter, false);
-    CHECK(wrong.diff("--samples 65536").exit_code == 1);
+    CHECK(unknown.exit_code == 2);
+    CHECK_THAT(unknown.out, Contains("not judged: the images differ, and the image does not say") &&
+                                Contains("--also") && !Contains("FAILED"));
+    CHECK(nlohmann::json::parse(pair.diff("--json").out)["not_judged"] != "");
+    CHECK(pair.diff("--samples 256").exit_code == 2);  // the golden image's noise is not its own
     const Pair known;
     CHECK_THAT(known.diff("--samples 512").err, Contains("256 samples a pixel, not 512"));
+}
+
+TEST_CASE("scotty diff: the order is golden image, then image, and a hint says so",
+          "[verify][image][cli]") {
+    const Pair pair;
+    std::filesystem::create_directory(pair.folder / "golden");
+    const std::string golden = pair.folder.file("golden/a.exr");
+    std::filesystem::copy_file(pair.golden, golden);
+    CHECK_THAT(scotty_here("diff " + pair.image + " " + golden).err,
+               Contains("scotty diff GOLDEN IMAGE"));
+    CHECK(scotty_here("diff " + golden + " " + pair.image).err.empty());
+}
+
+TEST_CASE("scotty diff: an array of scotty-gpu and a capture's folder are images too",
+          "[verify][image][cli]") {
+    const TemporaryFolder folder;
+    const std::string capture = folder.file("c");
+    REQUIRE(scotty_here("capture cornell --size 9x7 --spp 2 -o " + capture).exit_code == 0);
+    const MeasuredImage image = verify::read_image(capture).image;
+    CHECK(image.width == 9);
+    CHECK(image.height == 7);
+    CHECK(image.samples == 2);
+    std::vector<float> values;
+    for (const verify::Color& color : image.mean) {
+        for (const double value : color) values.push_back(static_cast<float>(value));
+    }
+    const std::size_t shape[] = {7, 9, 3};
+    verify::write_npy(folder.file("a.npy"), reference::ElementType::float32, shape, values.data(),
+                      values.size() * sizeof(float));
+    REQUIRE(scotty_here("render cornell --size 9x7 --spp 2 -o " + folder.file("a.exr")).exit_code ==
+            0);
+    CHECK(scotty_here("diff " + folder.file("a.exr") + " " + folder.file("a.npy")).exit_code == 0);
+    CHECK(scotty_here("diff " + folder.file("a.exr") + " " + capture).exit_code == 0);
+    CHECK_THAT(scotty_here("diff " + folder.file("a.exr") + " " + capture + " --part 1").err,
+               Contains("no part '1'"));
 }
 
 TEST_CASE("scotty diff: renders with other seeds say how noisy they are", "[verify][image][cli]") {
@@ -143,8 +178,8 @@ TEST_CASE("scotty diff: without noise on either side only equal bits pass, or a 
     const std::string both = "diff " + folder.file("b.exr") + " " + folder.file("a.exr");
     CHECK(scotty_here("diff " + folder.file("a.exr") + " " + folder.file("a.exr")).exit_code == 0);
     const Result bits = scotty_here(both);
-    CHECK(bits.exit_code == 1);
-    CHECK_THAT(bits.out, Contains("neither image says how noisy it is") &&
+    CHECK(bits.exit_code == 2);
+    CHECK_THAT(bits.out, Contains("does not say how noisy it is") &&
                              Contains("red of pixel (5, 2)") && Contains("--tolerance"));
     CHECK(scotty_here(both + " --tolerance 0.01").exit_code == 0);
     CHECK(scotty_here(both + " --tolerance 0.0001").exit_code == 1);
@@ -160,7 +195,7 @@ TEST_CASE("scotty diff: a PNG against an EXR goes by a tolerance", "[verify][ima
     verify::write_image(picture_of(image), folder.file("a.png"));
     verify::write_measured_image(image, folder.file("a.exr"));
     const std::string both = "diff " + folder.file("a.png") + " " + folder.file("a.exr");
-    CHECK(scotty_here(both).exit_code == 1);
+    CHECK(scotty_here(both).exit_code == 2);
     CHECK(scotty_here(both + " --tolerance 0.02").exit_code == 0);
 }
 
@@ -188,7 +223,7 @@ TEST_CASE("scotty diff: images that cannot be read or do not go with the options
     const std::vector<std::pair<std::string, std::string>> table{
         {"diff none.exr " + pair.golden, "none.exr: no such file"},
         {"diff " + cut + " " + pair.golden, "cut.exr"},
-        {"diff " + pair.image, "expected the golden image"},
+        {"diff " + pair.image, "scotty diff GOLDEN IMAGE"},
         {"diff " + pair.image + " " + pair.folder.path().string(), "found a folder"},
         {"diff " + pair.image + " " + pair.golden + " --isolated", "for captures"},
         {"diff " + pair.image + " " + pair.golden + " --false-alarm 2", "--false-alarm"},

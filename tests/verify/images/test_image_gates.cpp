@@ -225,18 +225,43 @@ TEST_CASE("image gates: a calmer golden image does not lend its certainty to few
     CHECK(verdict.passed());
 }
 
-TEST_CASE("image gates: a variance that is missing follows from the other image's samples",
+TEST_CASE("image gates: a variance that is missing is not guessed from the other image's",
           "[verify][image][gates]") {
     MeasuredImage image = synthetic_render(settings_of(4));
     image.variance.clear();
-    CHECK(judge_image(image, golden(), {}).passed());
-    MeasuredImage bright = synthetic_render(settings_of(4), ImageFault::brighter);
-    bright.variance.clear();
-    CHECK(fails(judge_image(bright, golden(), {}), Gate::global));
-    image.samples = 0;
     const ImageVerdict unknown = judge_image(image, golden(), {});
     CHECK(fails(unknown, Gate::layout));
-    CHECK_THAT(result_of(unknown, Gate::layout).text, Contains("the image has no variances"));
+    CHECK_THAT(result_of(unknown, Gate::layout).text, Contains("the image does not say"));
+    image.samples = 1;
+    CHECK_THAT(judge_image(image, golden(), {}).first_failure()->text,
+               Contains("one sample a pixel"));
+}
+
+TEST_CASE("image gates: bits that differ where no noise is known are no verdict",
+          "[verify][image][gates]") {
+    const MeasuredImage image = smooth_image(16, 12);
+    CHECK(judge_bits(image, image, "nobody knows").passed());
+    MeasuredImage off = image;
+    off.mean[7][1] *= 1.001;
+    const ImageVerdict verdict = judge_bits(off, image, "nobody knows");
+    CHECK(verdict.first_failure() == nullptr);
+    CHECK_FALSE(verdict.passed());
+    CHECK(verdict.not_judged == "nobody knows");
+    off.mean[7][1] = std::nan("");
+    CHECK(fails(judge_bits(off, image, "nobody knows"), Gate::finite));
+    CHECK(judge_bits(off, image, "nobody knows").not_judged.empty());
+}
+
+TEST_CASE("image gates: a constant pixel that differs is told without infinities",
+          "[verify][image][gates]") {
+    MeasuredImage truth = synthetic_golden(settings_of(1));
+    MeasuredImage image = synthetic_render(settings_of(1));
+    truth.variance[0] = image.variance[0] = {0.0, 0.0, 0.0};
+    image.mean[0][0] = truth.mean[0][0] + 0.5;
+    const ImageVerdict verdict = judge_image(image, truth, {});
+    CHECK(fails(verdict, Gate::pixel));
+    CHECK_THAT(result_of(verdict, Gate::pixel).text,
+               Contains("neither image has any noise") && !Contains("inf"));
 }
 
 TEST_CASE("image gates: samples that are means of paths weigh as many", "[verify][image][gates]") {
@@ -312,22 +337,22 @@ TEST_CASE("image gates: tiles at the border are smaller, images below a tile are
 TEST_CASE("image gates: without noise only equal bits pass, or a stated tolerance",
           "[verify][image][gates]") {
     const MeasuredImage image = smooth_image(16, 12);
-    CHECK(judge_without_noise(image, image, 0.0).passed());
+    CHECK(judge_by_tolerance(image, image, 0.0).passed());
     MeasuredImage off = image;
     off.mean[30][1] = std::nextafter(static_cast<float>(off.mean[30][1]), 2.0f);
-    const ImageVerdict verdict = judge_without_noise(off, image, 0.0);
+    const ImageVerdict verdict = judge_by_tolerance(off, image, 0.0);
     CHECK(fails(verdict, Gate::equal));
     CHECK_THAT(verdict.first_failure()->text,
                Contains("1 of 576 values differ") && Contains("green of pixel (14, 1)"));
     CHECK(verdict.metrics.max_ulps == 1.0);
-    CHECK(judge_without_noise(off, image, 1e-6).passed());
+    CHECK(judge_by_tolerance(off, image, 1e-6).passed());
     off.mean[30][1] *= 1.03;
-    CHECK(judge_without_noise(off, image, 0.031).passed());
-    CHECK_FALSE(judge_without_noise(off, image, 0.01).passed());
+    CHECK(judge_by_tolerance(off, image, 0.031).passed());
+    CHECK_FALSE(judge_by_tolerance(off, image, 0.01).passed());
     off.mean[30][1] = std::nan("");
-    CHECK(fails(judge_without_noise(off, image, 1.0), Gate::finite));
-    CHECK(fails(judge_without_noise(off, off, 1.0), Gate::finite));
-    CHECK(fails(judge_without_noise(smooth_image(12, 16), image, 1.0), Gate::layout));
+    CHECK(fails(judge_by_tolerance(off, image, 1.0), Gate::finite));
+    CHECK(fails(judge_by_tolerance(off, off, 1.0), Gate::finite));
+    CHECK(fails(judge_by_tolerance(smooth_image(12, 16), image, 1.0), Gate::layout));
 }
 
 TEST_CASE("image gates: a run's false-alarm probability is shared among its images",

@@ -129,6 +129,55 @@ TEST_CASE("image reading: a PNG is decoded from sRGB, colours not times alpha", 
     for (const double value : grey.image.mean[0]) CHECK(value == Approx(0.215861).epsilon(1e-5));
 }
 
+TEST_CASE("image reading: integers that say they are linear are not decoded", "[verify][image]") {
+    const TemporaryFolder folder;
+    for (const bool by_gamma : {true, false}) {
+        OIIO::ImageSpec spec(4, 2, 3, OIIO::TypeDesc::UINT8);
+        if (by_gamma) spec.attribute("oiio:Gamma", 1.0f);
+        spec.attribute("oiio:ColorSpace", by_gamma ? "GammaCorrected" : "linear");
+        const std::vector<std::uint8_t> values(24, 128);
+        const auto output = OIIO::ImageOutput::create(folder.file("a.png"));
+        REQUIRE(output->open(folder.file("a.png"), spec));
+        REQUIRE(output->write_image(OIIO::TypeDesc::UINT8, values.data()));
+        REQUIRE(output->close());
+        CHECK(read_image(folder.file("a.png")).image.mean[0][0] == Approx(128.0 / 255.0));
+    }
+}
+
+TEST_CASE("image reading: parts and layers are chosen by name, and the others are told",
+          "[verify][image]") {
+    const TemporaryFolder folder;
+    const std::string path = folder.file("parts.exr");
+    const std::vector<std::string> channels{"R", "G", "B", "diffuse.R", "diffuse.G", "diffuse.B"};
+    std::vector<OIIO::ImageSpec> specs;
+    for (const char* name : {"left", "right"}) {
+        OIIO::ImageSpec spec(4, 2, 6, OIIO::TypeDesc::FLOAT);
+        spec.channelnames = channels;
+        spec.attribute("oiio:subimagename", name);
+        specs.push_back(spec);
+    }
+    const auto output = OIIO::ImageOutput::create(path);
+    REQUIRE(output->open(path, 2, specs.data()));
+    for (int part = 0; part < 2; ++part) {
+        if (part == 1) REQUIRE(output->open(path, specs[1], OIIO::ImageOutput::AppendSubimage));
+        std::vector<float> values;
+        for (int i = 0; i < 8; ++i) {
+            for (int c = 0; c < 6; ++c) values.push_back(static_cast<float>(10 * part + c));
+        }
+        REQUIRE(output->write_image(OIIO::TypeDesc::FLOAT, values.data()));
+    }
+    REQUIRE(output->close());
+    const verify::ReadImage first = read_image(path);
+    CHECK(first.image.mean[0] == verify::Color{0.0, 1.0, 2.0});
+    CHECK(first.not_read == std::vector<std::string>{"part 'right'", "layer 'diffuse'"});
+    CHECK(read_image(path, {"right", ""}).image.mean[0] == verify::Color{10.0, 11.0, 12.0});
+    CHECK(read_image(path, {"1", "diffuse"}).image.mean[0] == verify::Color{13.0, 14.0, 15.0});
+    CHECK(read_image(path, {"right", ""}).not_read.front() == "part 'left'");
+    CHECK_THROWS_WITH(read_image(path, {"middle", ""}),
+                      Contains("no part 'middle'") && Contains("left, right"));
+    CHECK_THROWS_WITH(read_image(path, {"", "glossy"}), Contains("glossy.R"));
+}
+
 TEST_CASE("image reading: other channels, crops and folders are refused", "[verify][image]") {
     const TemporaryFolder folder;
     write_raw(folder.file("depth.exr"), {"Z", "beauty.R"}, OIIO::TypeDesc::FLOAT);
