@@ -118,6 +118,10 @@ void drop_unused_materials(Scene& scene) {
 
 }  // namespace
 
+std::uint32_t add_default_material(Scene& scene) {
+    return add_diffuse(scene, Vec3(kDefaultReflectance));
+}
+
 void settle_emission(Scene& scene, Notes& notes) {
     const std::size_t file_lights = scene.lights.size();
     std::vector<std::vector<std::uint32_t>> visible_side(file_lights);

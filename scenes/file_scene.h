@@ -9,6 +9,12 @@
 
 namespace scotty::scenes {
 
+/// What a surface reflects for which a file names no material, in every format.
+constexpr float kDefaultReflectance = 0.5f;
+constexpr const char* kDefaultMaterialNote = "a mesh without material: grey 0.5";
+/// The index of a new material of that reflectance.
+std::uint32_t add_default_material(reference::Scene& scene);
+
 /// Brings emissive triangles and lights together, so that no emission is counted twice.
 ///
 /// A triangle that lies in an area light is that light's visible side: its material's emission is

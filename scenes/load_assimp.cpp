@@ -151,8 +151,8 @@ class AssimpLoader {
         if (known != materials_.end()) return known->second;
         std::uint32_t index = 0;
         if (format_ == Format::ply || number >= source_->mNumMaterials) {
-            notes_.add("a mesh without material: grey 0.5");
-            index = add_diffuse(scene_, Vec3(0.5f, 0.5f, 0.5f));
+            notes_.add(kDefaultMaterialNote);
+            index = add_default_material(scene_);
         } else {
             index = add_material(scene_, scenes::from_assimp(*source_->mMaterials[number], notes_));
         }

@@ -140,7 +140,7 @@ class ColladaLoader {
         // Analytic spheres and some meshes name no symbol: the first binding is meant.
         if (!binding && symbol.empty()) binding = bindings.child("instance_material");
         if (!binding) {
-            notes_.add("a mesh without material: grey 0.5");
+            notes_.add(kDefaultMaterialNote);
             return material(kDefaultMaterial, {});
         }
         const pugi::xml_node element = document_.target(binding, "target", "material");
@@ -152,7 +152,7 @@ class ColladaLoader {
         if (known != materials_.end()) return known->second;
         const std::uint32_t index =
             element ? add_material(scene_, read_material(document_, element, notes_))
-                    : add_diffuse(scene_, Vec3(0.5f, 0.5f, 0.5f));
+                    : add_default_material(scene_);
         materials_.emplace(id, index);
         return index;
     }
