@@ -24,6 +24,11 @@ constexpr float kPlaneTolerance = 0.02f;
 /// How much wider than the bounding box a fitted camera looks.
 constexpr float kMargin = 1.05f;
 
+constexpr float kPi = 3.14159265f;
+
+/// Radiance of the default environment; the default directional light adds the rest to 1.
+constexpr float kDefaultSky = 0.25f;
+
 /// Whether `p` lies over the parallelogram, a twentieth beyond its edges allowed.
 bool over(const Light& light, const Vec3& p) {
     const Vec3 offset = p - light.position;
@@ -77,7 +82,8 @@ bool bring_in_front(Light& light, const Scene& scene, const std::vector<std::uin
         }
     }
     light.position += light.normal * foremost;
-    return foremost > 1e-6f * std::max(1.0f, reference::max_abs(light.position));
+    const float size = std::max(reference::length(light.edge_x), reference::length(light.edge_y));
+    return foremost > 1e-6f * std::max(size, reference::max_abs(light.position));
 }
 
 /// Gives the triangles a copy of their material that is marked as sampled.
@@ -171,20 +177,25 @@ void settle_emission(Scene& scene, Notes& notes) {
     drop_unused_materials(scene);
 }
 
-void light_if_dark(Scene& scene, Notes& notes) {
+void add_default_lights(Scene& scene, Notes& notes) {
     if (!scene.lights.empty()) return;
     for (const auto& material : scene.materials) {
         if (!reference::is_zero(material.emission)) return;
     }
-    scene.lights.push_back(environment_light(Vec3(1.0f, 1.0f, 1.0f)));
-    notes.add("no light in the file: a constant environment of radiance 1 was added");
+    const Camera& camera = scene.camera;
+    const Vec3 direction = camera.forward - camera.up * 0.8f + camera.right * 0.5f;
+    scene.lights.push_back(directional_light(direction, Vec3(kPi * (1.0f - kDefaultSky))));
+    scene.lights.push_back(environment_light(Vec3(kDefaultSky)));
+    notes.add(
+        "no light in the file: a directional light from above the camera and a dim sky were added "
+        "(#lights=none leaves it dark)");
 }
 
 Camera fit_camera(const Scene& scene, const Camera& direction_of) {
     const reference::Bounds box = reference::bounds_of(scene);
     const Vec3 centre = box.low * 0.5f + box.high * 0.5f;
     const float tangent = direction_of.tan_half_fov / kMargin;
-    float distance = 1e-3f;
+    float distance = 0.0f;
     for (unsigned corner = 0; corner < 8; ++corner) {
         const Vec3 offset =
             Vec3(corner & 1u ? box.high.x : box.low.x, corner & 2u ? box.high.y : box.low.y,
@@ -194,6 +205,8 @@ Camera fit_camera(const Scene& scene, const Camera& direction_of) {
                                      std::abs(dot(offset, direction_of.up)));
         distance = std::max(distance, aside / tangent - dot(offset, direction_of.forward));
     }
+    // A scene that is a single point is looked at from somewhere.
+    if (!(distance > 0.0f)) distance = std::max(1e-3f * reference::max_abs(centre), 1e-3f);
     Camera camera = direction_of;
     camera.position = centre - camera.forward * distance;
     return camera;

@@ -24,11 +24,14 @@ void settle_emission(reference::Scene& scene, Notes& notes);
 
 constexpr std::size_t kMaxTriangleLights = 1024;
 
-/// Adds a constant environment where nothing shines.
-void light_if_dark(reference::Scene& scene, Notes& notes);
+/// Lights a scene in which nothing shines so that its shapes show: a directional light from above
+/// and beside the camera, and a dim environment for what it does not reach. A white surface that
+/// faces the light has a radiance of 1. Call it when the camera is settled.
+void add_default_lights(reference::Scene& scene, Notes& notes);
 
 /// A camera that sees all of the scene: it looks along `direction_of`'s forward at the middle of
-/// the bounding box, from where all of the box is inside a square picture.
+/// the bounding box, from where all of the box is inside a square picture, whatever the scene's
+/// size.
 reference::Camera fit_camera(const reference::Scene& scene, const reference::Camera& direction_of);
 
 /// Sets scene.camera: the file's own, or a fitted one where there is none or `choice` asks for it.

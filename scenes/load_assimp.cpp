@@ -71,10 +71,10 @@ class AssimpLoader {
                    source_->mNumAnimations);
         walk(*source_->mRootNode, Affine{});
         if (scene_.triangles.empty()) {
-            throw Error::bad_input(path_, "no triangles in the file, nothing to render");
+            throw Error::bad_input(path_,
+                                   notes_.explain("no triangles in the file, nothing to render"));
         }
         settle_emission(scene_, notes_);
-        light_if_dark(scene_, notes_);
         settle_camera(scene_, camera_, choice, notes_);
         notes_.write_to(scene_.warnings);
         return std::move(scene_);

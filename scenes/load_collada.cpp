@@ -28,7 +28,8 @@ class ColladaLoader {
         const pugi::xml_node visual = visual_scene(root);
         for (const pugi::xml_node node : visual.children("node")) walk(node, base, 0);
         if (scene_.triangles.empty()) {
-            throw document_.error(visual, "no triangles in any of its nodes, nothing to render");
+            throw document_.error(
+                visual, notes_.explain("no triangles in any of its nodes, nothing to render"));
         }
         if (turned_ != 0) {
             notes_.add(
@@ -37,7 +38,6 @@ class ColladaLoader {
                 turned_);
         }
         settle_emission(scene_, notes_);
-        light_if_dark(scene_, notes_);
         settle_camera(scene_, camera_, settled(choice), notes_);
         notes_.write_to(scene_.warnings);
         return std::move(scene_);

@@ -1,4 +1,5 @@
-/// Scenes from files. Each loader reads one file and leaves validation to load_scene().
+/// Scenes from files. Each loader reads one file; load_scene() adds default lights
+/// and validates.
 #pragma once
 
 #include <string>
@@ -14,6 +15,15 @@ enum class CameraChoice {
     file,
     fit
 };
+
+/// What the end of a specification says: "scene.dae#camera=fit,lights=none".
+struct FileChoices {
+    CameraChoice camera = CameraChoice::automatic;
+    bool default_lights = true;  ///< whether a scene in which nothing shines is lit
+};
+
+/// Takes the choices off the end of a path. Throws reference::Error (bad_input) for unknown ones.
+FileChoices take_choices(std::string& path);
 
 /// COLLADA with the Scotty3D extras. Throws reference::Error (bad_input) naming file and element.
 reference::Scene load_collada(const std::string& path, CameraChoice camera);

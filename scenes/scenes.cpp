@@ -9,6 +9,7 @@
 
 #include "reference/base/error.h"
 #include "scenes/built_in.h"
+#include "scenes/file_scene.h"
 #include "scenes/loaders.h"
 #include "scenes/mesh.h"
 
@@ -39,22 +40,6 @@ std::string lower_extension(const std::string& path) {
     return extension;
 }
 
-/// Takes "#camera=file" or "#camera=fit" off the end of a path.
-CameraChoice take_camera_choice(std::string& path) {
-    const std::size_t mark = path.rfind('#');
-    if (mark == std::string::npos || std::filesystem::exists(path)) {
-        return CameraChoice::automatic;
-    }
-    const std::string choice = path.substr(mark + 1);
-    const std::string whole = path;
-    path.resize(mark);
-    if (choice == "camera=file") return CameraChoice::file;
-    if (choice == "camera=fit") return CameraChoice::fit;
-    throw Error::bad_input(whole, fmt::format("'#{}' is not understood; expected #camera=file "
-                                              "(the file's own) or #camera=fit (frame everything)",
-                                              choice));
-}
-
 Error unknown_scene(const std::string& specification) {
     std::string names;
     for (const Generator* generator : generators()) {
@@ -69,7 +54,7 @@ Error unknown_scene(const std::string& specification) {
 
 Scene load_file(const std::string& specification) {
     std::string path = specification;
-    const CameraChoice camera = take_camera_choice(path);
+    const FileChoices choices = take_choices(path);
     const std::string extension = lower_extension(path);
     const bool is_collada = extension == ".dae";
     const bool is_other =
@@ -88,7 +73,13 @@ Scene load_file(const std::string& specification) {
                                                  "file, found the extension '{}'",
                                                  extension));
     }
-    Scene scene = is_collada ? load_collada(path, camera) : load_with_assimp(path, camera);
+    Scene scene =
+        is_collada ? load_collada(path, choices.camera) : load_with_assimp(path, choices.camera);
+    if (choices.default_lights) {
+        Notes notes;
+        add_default_lights(scene, notes);
+        notes.write_to(scene.warnings);
+    }
     scene.name = std::filesystem::path(path).filename().string();
     return scene;
 }

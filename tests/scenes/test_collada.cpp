@@ -418,12 +418,3 @@ TEST_CASE("collada: without a camera, or on demand, one is fitted", "[scenes][co
         }
     }
 }
-
-TEST_CASE("collada: without a light, an environment is added", "[scenes][collada]") {
-    ColladaText text;
-    text.has_light = false;
-    const Scene scene = load(text);
-    REQUIRE(scene.lights.size() == 1);
-    CHECK(scene.lights[0].kind == LightKind::environment);
-    CHECK(warns(scene, "no light in the file"));
-}

@@ -55,4 +55,10 @@ TEST_CASE("specification: a file that is not there, a directory, a foreign exten
     CHECK_THROWS_WITH(load_scene("/etc/passwd"), Contains("expected a .dae"));
     CHECK_THROWS_WITH(load_scene("/nowhere/scene.dae#camera=mine"),
                       Contains("#camera=file") && Contains("#camera=fit"));
+    for (const char* choice : {"#lights=some", "#", "#lights=none,", "#camera=fit,camera"}) {
+        CHECK_THROWS_WITH(load_scene(std::string("/nowhere/scene.dae") + choice),
+                          Contains("#lights=none"));
+    }
+    CHECK_THROWS_WITH(load_scene("/nowhere/scene.dae#lights=none,camera=fit"),
+                      Contains("no such file"));
 }
