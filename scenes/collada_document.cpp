@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstring>
 #include <utility>
@@ -15,13 +16,36 @@ using reference::Error;
 namespace {
 
 struct IdCollector : pugi::xml_tree_walker {
-    explicit IdCollector(std::unordered_map<std::string, pugi::xml_node>& target) : by_id(target) {}
+    using Elements = std::unordered_map<std::string, std::vector<pugi::xml_node>>;
+    explicit IdCollector(Elements& target) : by_id(target) {}
     bool for_each(pugi::xml_node& node) override {
-        if (const pugi::xml_attribute id = node.attribute("id")) by_id.emplace(id.value(), node);
+        if (const pugi::xml_attribute id = node.attribute("id")) by_id[id.value()].push_back(node);
         return true;
     }
-    std::unordered_map<std::string, pugi::xml_node>& by_id;
+    Elements& by_id;
 };
+
+/// The profiles of the extras that Scotty3D and its relatives write: the same elements.
+bool is_scotty3d_profile(const char* profile) {
+    return std::strcmp(profile, "CMU462") == 0 || std::strcmp(profile, "CGL") == 0;
+}
+
+/// "a%20b" as "a b"; what is no escape stays.
+std::string unescaped(const std::string& text) {
+    std::string out;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        unsigned code = 0;
+        const char* digits = text.data() + i + 1;
+        if (text[i] == '%' && i + 2 < text.size() &&
+            std::from_chars(digits, digits + 2, code, 16).ptr == digits + 2) {
+            out += static_cast<char>(code);
+            i += 2;
+        } else {
+            out += text[i];
+        }
+    }
+    return out;
+}
 
 /// "<light id="Area">": the element, or the next one around it that can be told apart.
 std::string name_of(pugi::xml_node element) {
@@ -40,10 +64,22 @@ std::string name_of(pugi::xml_node element) {
 
 bool is_space(char c) { return c == ' ' || c == '\n' || c == '\t' || c == '\r'; }
 
+/// All text of an element. A comment inside makes it more than one piece.
+std::string text_of(pugi::xml_node element) {
+    std::string text;
+    for (const pugi::xml_node child : element.children()) text += child.value();
+    return text;
+}
+
 /// Calls `use(begin, end, index)` for each word of the element's text.
 template <class Use>
 void for_each_word(pugi::xml_node element, const Use& use) {
-    const char* at = element.text().get();
+    std::string pieces;
+    const char* at = element.first_child().value();
+    if (element.first_child() != element.last_child()) {
+        pieces = text_of(element);
+        at = pieces.c_str();
+    }
     for (std::size_t index = 0;; ++index) {
         while (is_space(*at)) ++at;
         if (*at == '\0') return;
@@ -67,12 +103,26 @@ ColladaDocument::ColladaDocument(std::string path) : path_(std::move(path)) {
         throw Error::bad_input(
             path_, fmt::format("expected a <COLLADA> document, found <{}>", root_.name()));
     }
+    const std::string version = root_.attribute("version").value();
+    if (version.starts_with("1.0") || version.starts_with("1.1") || version.starts_with("1.2") ||
+        version.starts_with("1.3")) {
+        throw Error::bad_input(path_, fmt::format("COLLADA {} is not supported; export the scene "
+                                                  "as COLLADA 1.4 or 1.5",
+                                                  version));
+    }
     IdCollector collector(by_id_);
     xml_.traverse(collector);
 }
 
 Error ColladaDocument::error(pugi::xml_node element, const std::string& what) const {
     return Error::bad_input(path_ + ": " + name_of(element), what);
+}
+
+bool ColladaDocument::made_for_scotty3d() const {
+    for (const auto& found : root_.select_nodes("//*[local-name()='technique']")) {
+        if (is_scotty3d_profile(found.node().attribute("profile").value())) return true;
+    }
+    return false;
 }
 
 pugi::xml_node ColladaDocument::target(pugi::xml_node user, const char* attribute,
@@ -82,16 +132,47 @@ pugi::xml_node ColladaDocument::target(pugi::xml_node user, const char* attribut
         throw error(user, fmt::format("{}: expected \"#id\" of a <{}> in this file, found \"{}\"",
                                       attribute, kind, url));
     }
-    const auto found = by_id_.find(url.substr(1));
+    auto found = by_id_.find(url.substr(1));
+    if (found == by_id_.end()) found = by_id_.find(unescaped(url.substr(1)));
     if (found == by_id_.end()) {
         throw error(user,
                     fmt::format("{}: there is no <{} id=\"{}\">", attribute, kind, url.substr(1)));
     }
-    if (std::strcmp(found->second.name(), kind) != 0) {
-        throw error(user, fmt::format("{}: expected a <{}>, \"{}\" is a <{}>", attribute, kind, url,
-                                      found->second.name()));
+    // Some exporters give a node and its geometry the same id: the kind tells them apart.
+    pugi::xml_node result;
+    for (const pugi::xml_node element : found->second) {
+        if (std::strcmp(element.name(), kind) != 0) continue;
+        if (result) {
+            throw error(user, fmt::format("{}: \"{}\" could be any of several <{}> elements of "
+                                          "this id; ids must be unique",
+                                          attribute, url, kind));
+        }
+        result = element;
     }
-    return found->second;
+    if (!result) {
+        throw error(user, fmt::format("{}: expected a <{}>, \"{}\" is a <{}>", attribute, kind, url,
+                                      found->second.front().name()));
+    }
+    return result;
+}
+
+bool ColladaDocument::points_to(pugi::xml_node user, const char* attribute,
+                                const char* kind) const {
+    const std::string url = user.attribute(attribute).value();
+    const auto found = by_id_.find(url.empty() ? url : url.substr(1));
+    if (found == by_id_.end()) return false;
+    return std::any_of(found->second.begin(), found->second.end(), [&](pugi::xml_node element) {
+        return std::strcmp(element.name(), kind) == 0;
+    });
+}
+
+std::string ColladaDocument::word(pugi::xml_node element, const char* standard) const {
+    std::string result = element ? "" : standard;
+    for_each_word(element, [&](const char* begin, const char* end, std::size_t index) {
+        if (index != 0) result += ' ';
+        result.append(begin, end);
+    });
+    return result;
 }
 
 std::vector<double> ColladaDocument::numbers(pugi::xml_node element) const {
@@ -162,7 +243,7 @@ std::uint32_t ColladaDocument::count_attribute(pugi::xml_node element, const cha
 pugi::xml_node scotty3d_extra(pugi::xml_node element) {
     for (const pugi::xml_node extra : element.children("extra")) {
         for (const pugi::xml_node technique : extra.children("technique")) {
-            if (std::strcmp(technique.attribute("profile").value(), "CMU462") != 0) continue;
+            if (!is_scotty3d_profile(technique.attribute("profile").value())) continue;
             for (const pugi::xml_node child : technique.children()) {
                 if (child.type() == pugi::node_element) return child;
             }

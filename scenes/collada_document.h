@@ -17,15 +17,15 @@ class ColladaDocument {
     explicit ColladaDocument(std::string path);
 
     pugi::xml_node root() const { return root_; }
-    /// Whether anything in it uses Scotty3D's CMU462 extras.
-    bool made_for_scotty3d() const {
-        return !root_.select_node("//*[local-name()='technique'][@profile='CMU462']")
-                    .node()
-                    .empty();
-    }
-    /// The element that "#id" points to, inside this file. Throws where there is none, or where it
-    /// is not one of `kind`; `user` is the element that refers to it.
+    /// Whether anything in it uses the extras of Scotty3D: profile CMU462, or CGL in the files of
+    /// its relatives.
+    bool made_for_scotty3d() const;
+    /// The element that "#id" points to, inside this file. Throws where there is none, where
+    /// it is not one of `kind`, or where several are; `user` is the element that refers to it.
     pugi::xml_node target(pugi::xml_node user, const char* attribute, const char* kind) const;
+
+    /// Whether "#id" is an element of this kind, for references that may be of several.
+    bool points_to(pugi::xml_node user, const char* attribute, const char* kind) const;
 
     /// An error at an element: "scene.dae: <light id="Area">: what".
     reference::Error error(pugi::xml_node element, const std::string& what) const;
@@ -38,6 +38,8 @@ class ColladaDocument {
     double number(pugi::xml_node element, double standard) const;
     /// The first three of an element's three or four numbers.
     Point colour(pugi::xml_node element) const;
+    /// An element's text without the blanks around it, or `standard` where it is not there.
+    std::string word(pugi::xml_node element, const char* standard) const;
     /// All whole numbers >= 0 of an element's text.
     std::vector<std::uint32_t> indices(pugi::xml_node element) const;
     /// A whole-number attribute, or `standard` where it is not there.
@@ -48,10 +50,10 @@ class ColladaDocument {
     std::string path_;
     pugi::xml_document xml_;
     pugi::xml_node root_;
-    std::unordered_map<std::string, pugi::xml_node> by_id_;
+    std::unordered_map<std::string, std::vector<pugi::xml_node>> by_id_;
 };
 
-/// The element below <extra><technique profile="CMU462">, empty where there is none.
+/// The element below <extra><technique> of profile CMU462 or CGL, empty where there is none.
 pugi::xml_node scotty3d_extra(pugi::xml_node element);
 
 }  // namespace scotty::scenes

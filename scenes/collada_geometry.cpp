@@ -1,7 +1,9 @@
 #include <cstring>
 
 #include "scenes/collada_parts.h"
+#include "scenes/collada_primitives.h"
 #include "scenes/geodesic.h"
+#include "scenes/triangulate_polygon.h"
 
 namespace scotty::scenes {
 
@@ -10,30 +12,6 @@ namespace {
 /// Frequency of the geodesic that stands for an analytic sphere: 11,520 triangles, an error in
 /// radius of about 0.06 %.
 constexpr std::uint32_t kSphereFrequency = 24;
-
-/// A <source> of 3-vectors, checked against its accessor.
-std::vector<Point> read_vectors(const ColladaDocument& document, pugi::xml_node source) {
-    const pugi::xml_node accessor = source.child("technique_common").child("accessor");
-    if (!accessor) throw document.error(source, "expected <technique_common><accessor>");
-    const std::vector<double> values =
-        document.numbers(document.target(accessor, "source", "float_array"));
-    const std::size_t count = document.count_attribute(accessor, "count", 0);
-    const std::size_t stride = document.count_attribute(accessor, "stride", 1);
-    const std::size_t offset = document.count_attribute(accessor, "offset", 0);
-    if (stride < 3)
-        throw document.error(accessor, fmt::format("stride: expected 3, found {}", stride));
-    if (count != 0 && offset + (count - 1) * stride + 3 > values.size()) {
-        throw document.error(accessor,
-                             fmt::format("expected {} vectors of stride {} from {} on, the array "
-                                         "holds {} numbers (truncated?)",
-                                         count, stride, offset, values.size()));
-    }
-    std::vector<Point> vectors(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        for (std::size_t k = 0; k < 3; ++k) vectors[i][k] = values[offset + i * stride + k];
-    }
-    return vectors;
-}
 
 /// Collects corners: each pair of position and normal becomes one vertex.
 class CornerMerger {
@@ -68,96 +46,6 @@ class CornerMerger {
     std::unordered_map<Key, std::uint32_t, Hash> known_;
 };
 
-/// One <triangles>, <polylist> or <polygons> element: where its inputs are.
-struct Layout {
-    std::vector<Point> positions;
-    std::vector<Point> normals;
-    bool has_normals = false;
-    std::uint32_t position_offset = 0;
-    std::uint32_t normal_offset = 0;
-    std::uint32_t stride = 0;
-};
-
-Layout read_layout(const ColladaDocument& document, pugi::xml_node primitives, Notes& notes) {
-    Layout layout;
-    bool has_positions = false;
-    const auto take_normals = [&](pugi::xml_node input, std::uint32_t offset) {
-        if (layout.has_normals) return;
-        layout.normals = read_vectors(document, document.target(input, "source", "source"));
-        layout.normal_offset = offset;
-        layout.has_normals = true;
-    };
-    for (const pugi::xml_node input : primitives.children("input")) {
-        const std::string semantic = input.attribute("semantic").value();
-        const std::uint32_t offset = document.count_attribute(input, "offset", 0);
-        if (offset > 64) throw document.error(input, fmt::format("offset {} is absurd", offset));
-        layout.stride = std::max(layout.stride, offset + 1);
-        if (semantic == "VERTEX") {
-            const pugi::xml_node vertices = document.target(input, "source", "vertices");
-            for (const pugi::xml_node inner : vertices.children("input")) {
-                const std::string kind = inner.attribute("semantic").value();
-                if (kind == "POSITION") {
-                    layout.positions =
-                        read_vectors(document, document.target(inner, "source", "source"));
-                    layout.position_offset = offset;
-                    has_positions = true;
-                } else if (kind == "NORMAL") {
-                    take_normals(inner, offset);
-                }
-            }
-        } else if (semantic == "NORMAL") {
-            take_normals(input, offset);
-        } else if (semantic == "COLOR") {
-            notes.add("vertex colours are not supported: left out");
-        }
-    }
-    if (!has_positions) {
-        throw document.error(primitives, "expected an <input> VERTEX with a POSITION");
-    }
-    return layout;
-}
-
-/// How many corners each polygon has, and all corner indices.
-struct Polygons {
-    std::vector<std::uint32_t> sizes;
-    std::vector<std::uint32_t> corners;
-};
-
-Polygons read_polygons(const ColladaDocument& document, pugi::xml_node primitives,
-                       const Layout& layout, Notes& notes) {
-    Polygons polygons;
-    const std::uint32_t count = document.count_attribute(primitives, "count", 0);
-    if (std::strcmp(primitives.name(), "polygons") == 0) {
-        for (const pugi::xml_node child : primitives.children()) {
-            const bool has_holes = std::strcmp(child.name(), "ph") == 0;
-            if (!has_holes && std::strcmp(child.name(), "p") != 0) continue;
-            if (has_holes) notes.add("holes in polygons are not supported: filled");
-            const auto corners = document.indices(has_holes ? child.child("p") : child);
-            polygons.sizes.push_back(static_cast<std::uint32_t>(corners.size()) / layout.stride);
-            polygons.corners.insert(polygons.corners.end(), corners.begin(), corners.end());
-        }
-    } else {
-        polygons.corners = document.indices(primitives.child("p"));
-        if (const pugi::xml_node sizes = primitives.child("vcount")) {
-            polygons.sizes = document.indices(sizes);
-        } else {
-            polygons.sizes.assign(polygons.corners.size() / (3ull * layout.stride), 3);
-        }
-    }
-    std::uint64_t corners = 0;
-    for (const std::uint32_t size : polygons.sizes) corners += size;
-    if (polygons.sizes.size() != count) {
-        throw document.error(primitives, fmt::format("expected {} polygons (its count), found {}",
-                                                     count, polygons.sizes.size()));
-    }
-    if (corners * layout.stride != polygons.corners.size()) {
-        throw document.error(
-            primitives, fmt::format("expected {} indices in <p>, found {}", corners * layout.stride,
-                                    polygons.corners.size()));
-    }
-    return polygons;
-}
-
 void check_index(const ColladaDocument& document, pugi::xml_node primitives, const char* what,
                  std::uint32_t index, std::size_t polygon, std::size_t count) {
     if (index < count) return;
@@ -166,35 +54,78 @@ void check_index(const ColladaDocument& document, pugi::xml_node primitives, con
                                 index, count));
 }
 
-void read_primitives(const ColladaDocument& document, pugi::xml_node primitives, std::size_t number,
-                     CornerMerger& merger, ColladaMesh& mesh, Notes& notes) {
-    const Layout layout = read_layout(document, primitives, notes);
-    const Polygons polygons = read_polygons(document, primitives, layout, notes);
-    ColladaMesh::Part part;
-    part.symbol = primitives.attribute("material").value();
-    const std::uint32_t* corner = polygons.corners.data();
-    std::vector<std::uint32_t> vertices;
-    for (std::size_t polygon = 0; polygon < polygons.sizes.size(); ++polygon) {
-        vertices.clear();
-        for (std::uint32_t k = 0; k < polygons.sizes[polygon]; ++k, corner += layout.stride) {
-            const std::uint32_t position = corner[layout.position_offset];
-            const std::uint32_t normal = layout.has_normals ? corner[layout.normal_offset] : 0;
-            check_index(document, primitives, "position", position, polygon,
-                        layout.positions.size());
-            if (layout.has_normals) {
-                check_index(document, primitives, "normal", normal, polygon, layout.normals.size());
+/// Reads the polygons of one element, corner by corner, and cuts them into triangles.
+class PolygonReader {
+ public:
+    PolygonReader(const ColladaDocument& document, pugi::xml_node primitives, std::size_t number,
+                  CornerMerger& merger, Notes& notes)
+        : document_(document),
+          primitives_(primitives),
+          number_(number),
+          merger_(merger),
+          notes_(notes),
+          inputs_(read_inputs(document, primitives, notes)),
+          polygons_(read_polygons(document, primitives, inputs_.stride, notes)) {}
+
+    ColladaMesh::Part read() {
+        part_.symbol = primitives_.attribute("material").value();
+        const std::uint32_t* corner = polygons_.corners.data();
+        std::size_t first_ring = 0;
+        for (std::size_t polygon = 0; first_ring < polygons_.ring_sizes.size(); ++polygon) {
+            const std::size_t count =
+                polygons_.ring_counts.empty() ? 1 : polygons_.ring_counts[polygon];
+            const auto rings = std::span(polygons_.ring_sizes).subspan(first_ring, count);
+            vertices_.clear();
+            corners_.clear();
+            for (const std::uint32_t size : rings) {
+                for (std::uint32_t k = 0; k < size; ++k, corner += inputs_.stride) {
+                    take_corner(corner, polygon);
+                }
             }
-            vertices.push_back(merger.vertex(layout.positions, position,
-                                             layout.has_normals ? &layout.normals : nullptr, normal,
-                                             number));
+            cut(rings);
+            first_ring += count;
         }
-        if (vertices.size() < 3) notes.add("a polygon with fewer than 3 corners: left out");
-        for (std::size_t k = 2; k < vertices.size(); ++k) {
-            part.triangles.push_back({vertices[0], vertices[k - 1], vertices[k]});
+        return std::move(part_);
+    }
+
+ private:
+    void take_corner(const std::uint32_t* corner, std::size_t polygon) {
+        const std::uint32_t position = corner[inputs_.position_offset];
+        const std::uint32_t normal = inputs_.has_normals ? corner[inputs_.normal_offset] : 0;
+        check_index(document_, primitives_, "position", position, polygon,
+                    inputs_.positions.size());
+        if (inputs_.has_normals) {
+            check_index(document_, primitives_, "normal", normal, polygon, inputs_.normals.size());
+        }
+        vertices_.push_back(merger_.vertex(inputs_.positions, position,
+                                           inputs_.has_normals ? &inputs_.normals : nullptr, normal,
+                                           number_));
+        corners_.push_back(inputs_.positions[position]);
+    }
+
+    void cut(std::span<const std::uint32_t> rings) {
+        if (rings[0] < 3) notes_.add("a polygon with fewer than 3 corners: left out");
+        triangles_.clear();
+        if (!triangulate_polygon(corners_, rings, triangles_)) {
+            notes_.add("a polygon crosses itself or its holes: cut into triangles somehow");
+        }
+        for (const auto& [a, b, c] : triangles_) {
+            part_.triangles.push_back({vertices_[a], vertices_[b], vertices_[c]});
         }
     }
-    mesh.parts.push_back(std::move(part));
-}
+
+    const ColladaDocument& document_;
+    pugi::xml_node primitives_;
+    std::size_t number_;
+    CornerMerger& merger_;
+    Notes& notes_;
+    CornerInputs inputs_;
+    Polygons polygons_;
+    ColladaMesh::Part part_;
+    std::vector<std::uint32_t> vertices_;
+    std::vector<Point> corners_;
+    std::vector<std::array<std::uint32_t, 3>> triangles_;
+};
 
 /// A part's key in the merger: parts with the same inputs share their vertices.
 std::string inputs_of(pugi::xml_node primitives) {
@@ -211,19 +142,23 @@ ColladaMesh read_mesh(const ColladaDocument& document, pugi::xml_node element, N
     ColladaMesh mesh;
     CornerMerger merger(mesh);
     std::vector<std::string> known_inputs;
+    bool has_primitives = false;
     for (const pugi::xml_node child : element.children()) {
         const std::string name = child.name();
-        if (name == "triangles" || name == "polylist" || name == "polygons") {
+        has_primitives |= holds_polygons(child.name()) || name.starts_with("line");
+        if (holds_polygons(child.name())) {
+            const bool is_empty = !child.child("p") && !child.child("ph");
+            if (is_empty && document.count_attribute(child, "count", 0) == 0) continue;
             const std::string inputs = inputs_of(child);
             const auto found = std::find(known_inputs.begin(), known_inputs.end(), inputs);
             const auto number = static_cast<std::size_t>(found - known_inputs.begin());
             if (found == known_inputs.end()) known_inputs.push_back(inputs);
-            read_primitives(document, child, number, merger, mesh, notes);
-        } else if (name == "lines" || name == "linestrips" || name == "trifans" ||
-                   name == "tristrips") {
+            mesh.parts.push_back(PolygonReader(document, child, number, merger, notes).read());
+        } else if (name == "lines" || name == "linestrips") {
             notes.add(fmt::format("<{}> is not supported: left out", name));
         }
     }
+    if (!has_primitives) notes.add("a mesh of vertices alone: nothing of it can be seen");
     return mesh;
 }
 
@@ -251,8 +186,14 @@ ColladaMesh read_geometry(const ColladaDocument& document, pugi::xml_node geomet
     if (const pugi::xml_node mesh = geometry.child("mesh")) return read_mesh(document, mesh, notes);
     const pugi::xml_node extra = scotty3d_extra(geometry);
     if (std::strcmp(extra.name(), "sphere") == 0) return read_sphere(document, extra, notes);
-    const pugi::xml_node content = extra ? extra : geometry.first_child();
-    notes.add(fmt::format("a geometry of <{}> is not supported: left out", content.name()));
+    const pugi::xml_node unknown = geometry.child("extra").child("technique");
+    if (extra || !unknown) {
+        const pugi::xml_node content = extra ? extra : geometry.first_child();
+        notes.add(fmt::format("a geometry of <{}> is not supported: left out", content.name()));
+    } else {
+        notes.add(fmt::format("a geometry of the profile {} is not supported: left out",
+                              unknown.attribute("profile").value()));
+    }
     return {};
 }
 

@@ -1,7 +1,11 @@
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cstring>
+#include <initializer_list>
 
 #include "scenes/collada_parts.h"
+#include "scenes/file_scene.h"
 
 namespace scotty::scenes {
 
@@ -41,63 +45,154 @@ void note_roughness(const ColladaDocument& document, pugi::xml_node extra, Notes
         fmt::format("the roughness of <{}> is not supported: perfectly smooth", extra.name()));
 }
 
-/// A colour of the common profile: <color>, or <param> that refers to a <newparam>.
-std::optional<Point> common_colour(const ColladaDocument& document, pugi::xml_node effect,
-                                   pugi::xml_node channel, Notes& notes) {
-    if (const pugi::xml_node colour = channel.child("color")) return document.colour(colour);
-    if (channel.child("texture")) {
-        notes.add(fmt::format("the texture of <{}> is not supported: grey 0.5", channel.name()));
-        return Point{0.5, 0.5, 0.5};
-    }
-    if (const pugi::xml_node reference = channel.child("param")) {
-        const pugi::xml_node parameter =
-            effect.child("profile_COMMON")
-                .find_child_by_attribute("newparam", "sid", reference.attribute("ref").value());
-        for (const char* type : {"float3", "float4"}) {
-            if (const pugi::xml_node value = parameter.child(type)) return document.colour(value);
+/// An effect's common profile, as one material uses it.
+class CommonProfile {
+ public:
+    CommonProfile(const ColladaDocument& document, pugi::xml_node effect, pugi::xml_node instance,
+                  Notes& notes)
+        : document_(document),
+          effect_(effect),
+          instance_(instance),
+          profile_(effect.child("profile_COMMON")),
+          notes_(notes) {
+        for (const char* name : {"phong", "blinn", "lambert", "constant"}) {
+            const pugi::xml_node found = profile_.child("technique").child(name);
+            if (found) shader_ = found;
         }
-        throw document.error(reference, "there is no <newparam> of float3 or float4 that it names");
     }
-    return std::nullopt;
-}
 
-bool is_black(const std::optional<Point>& colour) { return !colour || *colour == Point{}; }
-
-Material read_common(const ColladaDocument& document, pugi::xml_node effect, Notes& notes) {
-    Material material;
-    pugi::xml_node shader;
-    for (const char* name : {"phong", "blinn", "lambert", "constant"}) {
-        const pugi::xml_node found = effect.child("profile_COMMON").child("technique").child(name);
-        if (found) shader = found;
-    }
-    if (!shader) {
-        notes.add("an effect without a common profile: grey 0.5");
-        material.reflectance = Vec3(0.5f, 0.5f, 0.5f);
+    Material read() const {
+        Material material;
+        if (!shader_) {
+            notes_.add("an effect without a common profile: grey 0.5");
+            material.reflectance = Vec3(kDefaultReflectance);
+            return material;
+        }
+        material.emission = rounded(emission());
+        material.reflectance = tint(diffuse(material), notes_);
+        note_the_rest();
         return material;
     }
-    const auto channel = [&](const char* name) {
-        return common_colour(document, effect, shader.child(name), notes);
-    };
-    material.reflectance = tint(channel("diffuse").value_or(Point{}), notes);
-    const Point emission = channel("emission").value_or(Point{});
-    for (const double value : emission) {
-        if (value < 0.0)
-            throw document.error(shader.child("emission"), "expected nothing negative");
+
+ private:
+    /// A <color>, or what a <param> refers to. Nothing for a texture or where nothing is there.
+    std::optional<Point> colour(pugi::xml_node channel) const {
+        if (const pugi::xml_node element = channel.child("color")) return document_.colour(element);
+        if (const pugi::xml_node reference = channel.child("param")) {
+            return document_.colour(parameter(reference, {"float3", "float4"}));
+        }
+        return std::nullopt;
     }
-    material.emission = rounded(emission);
-    if (!is_black(channel("specular"))) {
-        notes.add("specular highlights of the common profile are not supported: diffuse part only");
+    double number(const char* channel, double standard) const {
+        const pugi::xml_node parent = shader_.child(channel);
+        if (const pugi::xml_node reference = parent.child("param")) {
+            return document_.number(parameter(reference, {"float"}), standard);
+        }
+        return document_.number(parent.child("float"), standard);
     }
-    if (!is_black(channel("reflective")) &&
-        document.number(shader.child("reflectivity").child("float"), 1.0) != 0.0) {
-        notes.add("reflectivity of the common profile is not supported: diffuse part only");
+    double alpha(pugi::xml_node channel) const {
+        pugi::xml_node element = channel.child("color");
+        if (!element && channel.child("param")) {
+            element = parameter(channel.child("param"), {"float3", "float4"});
+        }
+        if (!element) return 1.0;
+        const std::vector<double> values = document_.numbers(element);
+        return values.size() > 3 ? values[3] : 1.0;
     }
-    const bool opaque = document.number(shader.child("transparency").child("float"), 1.0) == 1.0;
-    if (!opaque || shader.child("transparent").child("texture")) {
-        notes.add("transparency of the common profile is not supported: opaque");
+
+    /// The value that a <param> names: set by the material, or new in the effect or its profile.
+    pugi::xml_node parameter(pugi::xml_node reference,
+                             std::initializer_list<const char*> types) const {
+        const char* name = reference.attribute("ref").value();
+        for (const pugi::xml_node found :
+             {instance_.find_child_by_attribute("setparam", "ref", name),
+              profile_.child("technique").find_child_by_attribute("newparam", "sid", name),
+              profile_.find_child_by_attribute("newparam", "sid", name),
+              effect_.find_child_by_attribute("newparam", "sid", name)}) {
+            for (const char* type : types) {
+                if (const pugi::xml_node value = found.child(type)) return value;
+            }
+        }
+        throw document_.error(reference, fmt::format("there is no <newparam> of {} that it names",
+                                                     fmt::join(types, " or ")));
     }
-    return material;
-}
+
+    Point emission() const {
+        const pugi::xml_node channel = shader_.child("emission");
+        if (channel.child("texture")) {
+            notes_.add("the texture of <emission> is not supported: it does not shine");
+        }
+        const Point value = colour(channel).value_or(Point{});
+        for (const double part : value) {
+            if (part < 0.0) throw document_.error(channel, "expected nothing negative");
+        }
+        return value;
+    }
+
+    Point diffuse(const Material& material) const {
+        const pugi::xml_node channel = shader_.child("diffuse");
+        if (channel.child("texture")) {
+            notes_.add("the texture of <diffuse> is not supported: grey 0.5");
+            return widened(Vec3(kDefaultReflectance));
+        }
+        const std::optional<Point> value = colour(channel);
+        const bool is_constant = std::strcmp(shader_.name(), "constant") == 0;
+        if (!value && !is_constant && reference::is_zero(material.emission)) {
+            notes_.add("an effect without a <diffuse>: black");
+        }
+        return value.value_or(Point{});
+    }
+
+    bool has(const char* name) const {
+        const pugi::xml_node channel = shader_.child(name);
+        return channel.child("texture") || colour(channel).value_or(Point{}) != Point{};
+    }
+
+    /// How much of what is behind it the surface hides, by the rule of its `opaque` attribute.
+    double opacity() const {
+        const pugi::xml_node channel = shader_.child("transparent");
+        const double factor = number("transparency", 1.0);
+        const std::string mode = channel.attribute("opaque").as_string("A_ONE");
+        if (mode == "A_ONE") return alpha(channel) * factor;
+        if (mode == "A_ZERO") return 1.0 - alpha(channel) * factor;
+        // Without a colour, white: RGB_ZERO then means invisible, RGB_ONE opaque.
+        const Point rgb = colour(channel).value_or(Point{1.0, 1.0, 1.0});
+        const auto [least, most] = std::minmax({rgb[0], rgb[1], rgb[2]});
+        if (mode == "RGB_ONE") return least * factor;
+        if (mode == "RGB_ZERO") return 1.0 - most * factor;
+        throw document_.error(channel, fmt::format("opaque: expected A_ONE, A_ZERO, RGB_ONE or "
+                                                   "RGB_ZERO, found '{}'",
+                                                   mode));
+    }
+
+    void note_the_rest() const {
+        if (has("specular")) {
+            notes_.add(
+                "specular highlights of the common profile are not supported: diffuse part only");
+        }
+        if (has("reflective") && number("reflectivity", 1.0) != 0.0) {
+            notes_.add("reflectivity of the common profile is not supported: diffuse part only");
+        }
+        const pugi::xml_node transparent = shader_.child("transparent");
+        const bool is_given = transparent || shader_.child("transparency");
+        if (is_given && (transparent.child("texture") || opacity() != 1.0)) {
+            notes_.add("transparency of the common profile is not supported: opaque");
+        }
+        for (const pugi::xml_node owner : {effect_, profile_, profile_.child("technique")}) {
+            for (const pugi::xml_node extra : owner.children("extra")) {
+                if (!extra.child("technique").child("bump")) continue;
+                notes_.add("a bump or normal map is not supported: left out");
+            }
+        }
+    }
+
+    const ColladaDocument& document_;
+    pugi::xml_node effect_;
+    pugi::xml_node instance_;
+    pugi::xml_node profile_;
+    pugi::xml_node shader_;
+    Notes& notes_;
+};
 
 }  // namespace
 
@@ -143,7 +238,7 @@ Material read_material(const ColladaDocument& document, pugi::xml_node material,
                             "is used",
                             kind));
         }
-        result = read_common(document, effect, notes);
+        result = CommonProfile(document, effect, instance, notes).read();
     }
     return result;
 }

@@ -33,9 +33,13 @@ reference::Material read_material(const ColladaDocument& document, pugi::xml_nod
 /// A node's own transform: its elements in order, each applied before those in front of it.
 Affine read_transform(const ColladaDocument& document, pugi::xml_node node, Notes& notes);
 
-/// <light> as placed by `place`; nothing where it cannot shine (a note says so).
+/// A <matrix> of 16 numbers, or another element that holds one. Throws for a perspective.
+Affine read_matrix(const ColladaDocument& document, pugi::xml_node element);
+
+/// <light> as placed by `place`; nothing where it cannot shine (a note says so). Light falls off
+/// with distance in the document's unit, of `metres` each.
 std::optional<reference::Light> read_light(const ColladaDocument& document, pugi::xml_node light,
-                                           const Affine& place, Notes& notes);
+                                           const Affine& place, double metres, Notes& notes);
 
 /// <camera> as placed by `place`: it looks along its -z. Nothing where it is not a perspective one.
 std::optional<reference::Camera> read_camera(const ColladaDocument& document, pugi::xml_node camera,

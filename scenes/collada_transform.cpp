@@ -4,24 +4,35 @@ namespace scotty::scenes {
 
 namespace {
 
-Affine from_matrix(const ColladaDocument& document, pugi::xml_node element, bool lenient,
-                   Notes& notes) {
-    std::vector<double> values = document.numbers(element);
-    if (lenient && values.size() >= 12 && values.size() < 16) {
-        notes.add(
-            fmt::format("the <matrix> of a camera has {} numbers instead of 16: zero for "
-                        "what is missing",
-                        values.size()));
-        values.resize(16);
-    } else if (values.size() != 16) {
-        throw document.error(element, fmt::format("expected 16 numbers, found {}", values.size()));
-    } else if (values[12] != 0.0 || values[13] != 0.0 || values[14] != 0.0 || values[15] != 1.0) {
-        throw document.error(element, "expected a last row of 0 0 0 1 (no perspective)");
+/// How far a last row may be from 0 0 0 1 and still be that, rounded by an exporter.
+constexpr double kRowTolerance = 1e-6;
+
+/// Divides by the last number of a matrix that is affine but for it. Throws for a perspective.
+void normalise_last_row(const ColladaDocument& document, pugi::xml_node element,
+                        std::vector<double>& values) {
+    const double w = values[15];
+    for (const std::size_t k : {12u, 13u, 14u}) {
+        if (std::abs(values[k]) <= kRowTolerance * std::abs(w)) continue;
+        const bool transposed = values[3] == 0.0 && values[7] == 0.0 && values[11] == 0.0;
+        throw document.error(
+            element,
+            fmt::format("expected a last row of 0 0 0 1 (no perspective), found {} {} {} {}{}",
+                        values[12], values[13], values[14], w,
+                        transposed ? "; is the matrix written by columns?" : ""));
     }
+    if (w == 0.0) throw document.error(element, "expected a last row of 0 0 0 1, found zeros");
+    if (std::abs(w - 1.0) <= kRowTolerance) return;
+    for (std::size_t k = 0; k < 12; ++k) values[k] /= w;
+}
+
+/// The matrix of a camera: zero for what is missing at its end.
+Affine short_matrix(const std::vector<double>& values, Notes& notes) {
+    notes.add(
+        fmt::format("the <matrix> of a camera has {} numbers instead of 16: zero for what is "
+                    "missing",
+                    values.size()));
     Affine out;
-    for (std::size_t r = 0; r < 3; ++r) {
-        for (std::size_t c = 0; c < 4; ++c) out.m[r][c] = values[4 * r + c];
-    }
+    for (std::size_t k = 0; k < 12; ++k) out.m[k / 4][k % 4] = values[k];
     return out;
 }
 
@@ -70,6 +81,16 @@ bool is_camera_alone(pugi::xml_node node) {
 
 }  // namespace
 
+Affine read_matrix(const ColladaDocument& document, pugi::xml_node element) {
+    std::vector<double> values = document.numbers(element, 16);
+    normalise_last_row(document, element, values);
+    Affine out;
+    for (std::size_t r = 0; r < 3; ++r) {
+        for (std::size_t c = 0; c < 4; ++c) out.m[r][c] = values[4 * r + c];
+    }
+    return out;
+}
+
 Affine read_transform(const ColladaDocument& document, pugi::xml_node node, Notes& notes) {
     // A camera that is hard to read may be approximated; geometry may not.
     const bool lenient = is_camera_alone(node);
@@ -77,7 +98,10 @@ Affine read_transform(const ColladaDocument& document, pugi::xml_node node, Note
     for (const pugi::xml_node element : node.children()) {
         const std::string kind = element.name();
         if (kind == "matrix") {
-            total = total * from_matrix(document, element, lenient, notes);
+            const std::vector<double> values = document.numbers(element);
+            const bool is_short = lenient && values.size() >= 12 && values.size() < 16;
+            total =
+                total * (is_short ? short_matrix(values, notes) : read_matrix(document, element));
         } else if (kind == "translate" || kind == "scale") {
             const std::vector<double> values = document.numbers(element, 3);
             Affine step;

@@ -194,7 +194,9 @@ void add_default_lights(Scene& scene, Notes& notes) {
 Camera fit_camera(const Scene& scene, const Camera& direction_of) {
     const reference::Bounds box = reference::bounds_of(scene);
     const Vec3 centre = box.low * 0.5f + box.high * 0.5f;
-    const float tangent = direction_of.tan_half_fov / kMargin;
+    const float half_height = direction_of.tan_half_width > 0.0f ? direction_of.tan_half_width
+                                                                 : direction_of.tan_half_fov;
+    const float tangent = half_height / kMargin;
     float distance = 0.0f;
     for (unsigned corner = 0; corner < 8; ++corner) {
         const Vec3 offset =
@@ -208,6 +210,9 @@ Camera fit_camera(const Scene& scene, const Camera& direction_of) {
     // A scene that is a single point is looked at from somewhere.
     if (!(distance > 0.0f)) distance = std::max(1e-3f * reference::max_abs(centre), 1e-3f);
     Camera camera = direction_of;
+    // Whatever the picture's shape, its height has to hold the scene.
+    camera.tan_half_fov = half_height;
+    camera.tan_half_width = 0.0f;
     camera.position = centre - camera.forward * distance;
     return camera;
 }

@@ -6,6 +6,7 @@
 #include "scenes/file_scene.h"
 #include "scenes/loaders.h"
 #include "scenes/mesh.h"
+#include "scenes/parse_number.h"
 
 namespace scotty::scenes {
 
@@ -14,6 +15,8 @@ using reference::Scene;
 namespace {
 
 constexpr int kMaxDepth = 256;
+/// Instances of instances multiply: no scene of use has this many nodes.
+constexpr std::size_t kMaxNodes = 10'000'000;
 constexpr const char* kDefaultMaterial = "";
 
 /// Walks the node tree and fills a Scene.
@@ -23,7 +26,8 @@ class ColladaLoader {
 
     Scene load(CameraChoice choice) {
         const pugi::xml_node root = document_.root();
-        note_libraries(root);
+        note_animations(root);
+        metres_ = metres_of(root.child("asset").child("unit"));
         const Affine base = base_transform(root.child("asset"));
         const pugi::xml_node visual = visual_scene(root);
         for (const pugi::xml_node node : visual.children("node")) walk(node, base, 0);
@@ -44,25 +48,28 @@ class ColladaLoader {
     }
 
  private:
-    void note_libraries(pugi::xml_node root) {
+    void note_animations(pugi::xml_node root) {
         for (const pugi::xml_node library : root.children("library_animations")) {
-            for (const pugi::xml_node animation : library.children("animation")) {
-                static_cast<void>(animation);
-                notes_.add("an animation is not supported: the scene stands still");
-            }
+            const auto animations = library.children("animation");
+            notes_.add(
+                "an animation is not supported: the scene stands still",
+                static_cast<std::size_t>(std::distance(animations.begin(), animations.end())));
         }
+    }
+
+    double metres_of(pugi::xml_node unit) const {
+        const pugi::xml_attribute metres = unit.attribute("meter");
+        if (!metres) return 1.0;
+        const double scale = parse_finite(metres.value()).value_or(0.0);
+        if (scale > 0.0) return scale;
+        throw document_.error(
+            unit, fmt::format("meter: expected more than 0, found '{}'", metres.value()));
     }
 
     /// To y up and metres. The axes change places exactly, so that no coordinate is rounded.
     Affine base_transform(pugi::xml_node asset) const {
-        const std::string up = asset.child("up_axis").text().as_string("Y_UP");
-        const pugi::xml_attribute metres = asset.child("unit").attribute("meter");
-        const double scale = metres ? metres.as_double() : 1.0;
-        if (!(scale > 0.0) || !std::isfinite(scale)) {
-            throw document_.error(asset.child("unit"), fmt::format("meter: expected more than 0, "
-                                                                   "found '{}'",
-                                                                   metres.value()));
-        }
+        const std::string up = document_.word(asset.child("up_axis"), "Y_UP");
+        const double scale = metres_;
         Affine out;
         if (up == "Z_UP") {
             out.m = {{{scale, 0, 0, 0}, {0, 0, scale, 0}, {0, -scale, 0, 0}}};
@@ -77,12 +84,13 @@ class ColladaLoader {
         return out;
     }
 
-    pugi::xml_node visual_scene(pugi::xml_node root) const {
+    pugi::xml_node visual_scene(pugi::xml_node root) {
         if (const pugi::xml_node instance = root.child("scene").child("instance_visual_scene")) {
             return document_.target(instance, "url", "visual_scene");
         }
         const pugi::xml_node first = root.child("library_visual_scenes").child("visual_scene");
         if (!first) throw document_.error(root, "expected a <visual_scene>, found none");
+        notes_.add("the file does not say which scene to show: the first <visual_scene> is used");
         return first;
     }
 
@@ -90,6 +98,10 @@ class ColladaLoader {
         if (depth > kMaxDepth) {
             throw document_.error(
                 node, fmt::format("nodes more than {} deep, or in a circle", kMaxDepth));
+        }
+        if (++nodes_ > kMaxNodes) {
+            throw document_.error(
+                node, fmt::format("instances of instances make more than {} nodes", kMaxNodes));
         }
         const Affine place = above * read_transform(document_, node, notes_);
         for (const pugi::xml_node child : node.children()) {
@@ -99,16 +111,40 @@ class ColladaLoader {
             } else if (kind == "instance_node") {
                 walk(document_.target(child, "url", "node"), place, depth + 1);
             } else if (kind == "instance_geometry") {
-                add_instance(child, place);
+                add_instance(child, document_.target(child, "url", "geometry"), place);
             } else if (kind == "instance_light") {
                 const auto element = document_.target(child, "url", "light");
-                const auto light = read_light(document_, element, place, notes_);
+                const auto light = read_light(document_, element, place, metres_, notes_);
                 if (light) scene_.lights.push_back(*light);
             } else if (kind == "instance_camera") {
                 take_camera(child, place);
             } else if (kind == "instance_controller") {
-                notes_.add("a skinned or morphed mesh is not supported: left out");
+                const pugi::xml_node controller = document_.target(child, "url", "controller");
+                add_controlled(child, controller, place, depth);
             }
+        }
+    }
+
+    /// A skin or morph: the mesh that it controls, as it was when it was bound.
+    void add_controlled(pugi::xml_node instance, pugi::xml_node controller, const Affine& place,
+                        int depth) {
+        if (depth > kMaxDepth) throw document_.error(controller, "controllers in a circle");
+        const pugi::xml_node skin = controller.child("skin");
+        const pugi::xml_node morph = controller.child("morph");
+        if (!skin && !morph)
+            throw document_.error(controller, "expected a <skin> or <morph> inside");
+        notes_.add(skin ? "a skin is not supported: the mesh is in the pose that it was bound in"
+                        : "a morph is not supported: the mesh is in its basic form");
+        Affine bound = place;
+        if (const pugi::xml_node matrix = skin.child("bind_shape_matrix")) {
+            bound = place * read_matrix(document_, matrix);
+        }
+        const pugi::xml_node user = skin ? skin : morph;
+        if (document_.points_to(user, "source", "controller")) {
+            add_controlled(instance, document_.target(user, "source", "controller"), bound,
+                           depth + 1);
+        } else {
+            add_instance(instance, document_.target(user, "source", "geometry"), bound);
         }
     }
 
@@ -164,11 +200,14 @@ class ColladaLoader {
         return meshes_.emplace(id, read_geometry(document_, geometry, notes_)).first->second;
     }
 
-    void add_instance(pugi::xml_node instance, const Affine& place) {
-        const ColladaMesh& shape = mesh(document_.target(instance, "url", "geometry"));
+    void add_instance(pugi::xml_node instance, pugi::xml_node geometry, const Affine& place) {
+        const ColladaMesh& shape = mesh(geometry);
         const auto base = static_cast<std::uint32_t>(scene_.vertices.size());
         if (scene_.vertices.size() + shape.positions.size() >= reference::kNone) {
             throw document_.error(instance, "more vertices than 32 bits can number");
+        }
+        if (static_cast<double>(scene_.triangles.size()) > kMaxTriangles) {
+            throw document_.error(instance, fmt::format("more than {} triangles", kMaxTriangles));
         }
         for (std::size_t i = 0; i < shape.positions.size(); ++i) {
             add_vertex(scene_, rounded(place.point(shape.positions[i])),
@@ -201,6 +240,8 @@ class ColladaLoader {
     std::optional<reference::Camera> camera_;
     std::map<std::string, std::uint32_t> materials_;
     std::map<std::string, ColladaMesh> meshes_;
+    double metres_ = 1.0;
+    std::size_t nodes_ = 0;
     std::size_t turned_ = 0;
 };
 

@@ -13,16 +13,25 @@ using Triangle = std::array<std::uint32_t, 3>;
 using Flat = std::array<double, 2>;
 
 /// Above this many corners a polygon is not searched for crossing edges, which takes n^2 steps.
-constexpr std::size_t kMaxCrossingSearch = 2048;
+constexpr std::size_t kMaxCrossingSearch = 512;
+
+/// Above this many corners holes are filled: bridges to them take n^2 steps each.
+constexpr std::size_t kMaxCornersWithHoles = 4096;
 
 /// Twice the signed area of a triangle.
 double turn(const Flat& a, const Flat& b, const Flat& c) {
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-/// The area vector of a ring, by Newell's method around its first corner.
-Point area_vector(std::span<const Point> ring) {
-    Point sum{};
+/// Twice the areas of a ring in the three coordinate planes, by Newell's method around its first
+/// corner: with signs, and without.
+struct ProjectedAreas {
+    Point signed_sum{};
+    Point absolute_sum{};
+};
+
+ProjectedAreas projected_areas(std::span<const Point> ring) {
+    ProjectedAreas areas;
     for (std::size_t i = 2; i < ring.size(); ++i) {
         Point u{};
         Point v{};
@@ -31,23 +40,33 @@ Point area_vector(std::span<const Point> ring) {
             v[k] = ring[i][k] - ring[0][k];
         }
         for (std::size_t k = 0; k < 3; ++k) {
-            sum[k] += u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
+            const double area = u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
+            areas.signed_sum[k] += area;
+            areas.absolute_sum[k] += std::abs(area);
         }
     }
-    return sum;
+    return areas;
+}
+
+std::size_t dominant_axis(const Point& vector) {
+    std::size_t axis = 0;
+    for (std::size_t k = 1; k < 3; ++k) {
+        if (std::abs(vector[k]) > std::abs(vector[axis])) axis = k;
+    }
+    return axis;
 }
 
 /// Drops the dominant coordinate of the outline's normal, which rounds nothing. The outline comes
 /// out counter-clockwise.
 std::vector<Flat> flatten(std::span<const Point> corners, std::span<const Point> outline) {
-    const Point normal = area_vector(outline);
-    std::size_t axis = 0;
-    for (std::size_t k = 1; k < 3; ++k) {
-        if (std::abs(normal[k]) > std::abs(normal[axis])) axis = k;
-    }
+    const ProjectedAreas areas = projected_areas(outline);
+    std::size_t axis = dominant_axis(areas.signed_sum);
+    // The two halves of a polygon that crosses itself may cancel; the plane is there all the same.
+    const std::size_t widest = dominant_axis(areas.absolute_sum);
+    if (std::abs(areas.signed_sum[axis]) < 1e-6 * areas.absolute_sum[widest]) axis = widest;
     std::size_t x = (axis + 1) % 3;
     std::size_t y = (axis + 2) % 3;
-    if (normal[axis] < 0.0) std::swap(x, y);
+    if (areas.signed_sum[axis] < 0.0) std::swap(x, y);
     std::vector<Flat> flat;
     flat.reserve(corners.size());
     for (const Point& corner : corners) flat.push_back({corner[x], corner[y]});
@@ -333,6 +352,10 @@ bool triangulate_polygon(std::span<const Point> corners, std::span<const std::ui
                          std::vector<Triangle>& triangles) {
     if (ring_sizes.size() == 1) return triangulate_polygon(corners, triangles);
     if (ring_sizes.empty() || ring_sizes[0] < 3) return true;
+    if (corners.size() > kMaxCornersWithHoles) {
+        triangulate_polygon(corners.first(ring_sizes[0]), triangles);
+        return false;
+    }
     const std::vector<Flat> flat = flatten(corners, corners.first(ring_sizes[0]));
     std::vector<std::uint32_t> chain(ring_sizes[0]);
     std::iota(chain.begin(), chain.end(), 0u);

@@ -22,7 +22,8 @@ bool triangulate_polygon(std::span<const Point> corners,
 
 /// The same for a polygon whose holes are cut out. `ring_sizes` holds the number of corners of the
 /// outline and then of each hole, `corners` all of them in this order; the holes may be wound
-/// either way. n corners in r rings give n + 2 r - 4 triangles.
+/// either way. n corners in r rings give n + 2 r - 4 triangles. Returns false, too, where a hole is
+/// not inside, or where there are more than 4096 corners and the holes are filled.
 bool triangulate_polygon(std::span<const Point> corners, std::span<const std::uint32_t> ring_sizes,
                          std::vector<std::array<std::uint32_t, 3>>& triangles);
 

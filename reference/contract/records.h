@@ -126,6 +126,9 @@ struct Camera {
     /// Tangent of half the vertical field of view. The horizontal one follows from the image's
     /// aspect ratio, so any image shape sees an undistorted scene.
     float tan_half_fov = 0.5f;
+    /// Where not 0, the tangent of half the horizontal field of view: then the vertical one follows
+    /// from the image's aspect ratio instead, and tan_half_fov does not count.
+    float tan_half_width = 0.0f;
 };
 
 /// Bits of PathState::flags.

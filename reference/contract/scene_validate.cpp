@@ -140,6 +140,10 @@ void check_camera(const Camera& camera, const Checker& check) {
     check.unit(camera.forward, "camera", 0, "forward");
     check.in_range(camera.tan_half_fov, 1e-4f, 1e4f, "camera", 0,
                    "tangent of half the field of view");
+    if (camera.tan_half_width != 0.0f) {
+        check.in_range(camera.tan_half_width, 1e-4f, 1e4f, "camera", 0,
+                       "tangent of half the horizontal field of view");
+    }
     const Vec3 back = cross(camera.right, camera.up);
     if (!(dot(back, camera.forward) <= -0.999f) ||
         !(abs_of(dot(camera.right, camera.up)) <= 1e-3f)) {
@@ -281,6 +285,8 @@ std::uint64_t fingerprint(const Scene& scene) {
     hash.vector(scene.camera.up);
     hash.vector(scene.camera.forward);
     hash.number(scene.camera.tan_half_fov);
+    // Only where it counts, so that scenes without it keep the hashes that were recorded of them.
+    if (scene.camera.tan_half_width != 0.0f) hash.number(scene.camera.tan_half_width);
     return hash.digest();
 }
 

@@ -27,6 +27,12 @@ inline PathParameters path_parameters(const PipelineParameters& p) {
     return {p.seed, p.image_width, p.image_height, p.light_samples, p.bounces};
 }
 
+/// Tangent of half the vertical field of view in an image of this shape.
+SCOTTY_HD float vertical_tangent(const Camera& camera, float width, float height) {
+    return camera.tan_half_width > 0.0f ? camera.tan_half_width * (height / width)
+                                        : camera.tan_half_fov;
+}
+
 /// Camera ray through a random point of a pixel; y runs downwards, (0, 0) is the top left.
 SCOTTY_HD Ray primary_ray(const Camera& camera, const PathParameters& parameters,
                           std::uint32_t pixel, std::uint32_t sample) {
@@ -37,8 +43,9 @@ SCOTTY_HD Ray primary_ray(const Camera& camera, const PathParameters& parameters
     const std::uint32_t row = pixel / parameters.image_width;
     const float x = static_cast<float>(pixel % parameters.image_width) + random.a;
     const float y = static_cast<float>(row) + random.b;
-    const float across = (2.0f * (x / width) - 1.0f) * (camera.tan_half_fov * (width / height));
-    const float upward = (1.0f - 2.0f * (y / height)) * camera.tan_half_fov;
+    const float tangent = vertical_tangent(camera, width, height);
+    const float across = (2.0f * (x / width) - 1.0f) * (tangent * (width / height));
+    const float upward = (1.0f - 2.0f * (y / height)) * tangent;
     const Vec3 direction = camera.forward + camera.right * across + camera.up * upward;
     return {camera.position, 0.0f, normalize_or(direction, camera.forward), kInfinity};
 }

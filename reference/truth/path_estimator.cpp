@@ -175,8 +175,10 @@ PathEstimator::Segment PathEstimator::camera_segment(std::uint32_t pixel,
     const std::uint32_t row = pixel / parameters_.image_width;
     const double x = pixel % parameters_.image_width + numbers.next();
     const double y = row + numbers.next();
-    // The image plane at distance 1: its upper edge is tan_half_fov above the middle.
-    const double pixel_size = 2.0 * camera.tan_half_fov / height;
+    // The image plane at distance 1: its upper edge is that tangent above the middle.
+    const double tangent = camera.tan_half_width > 0.0f ? camera.tan_half_width * (height / width)
+                                                        : static_cast<double>(camera.tan_half_fov);
+    const double pixel_size = 2.0 * tangent / height;
     const Double3 through = exactly(camera.forward) +
                             exactly(camera.right) * ((x - 0.5 * width) * pixel_size) +
                             exactly(camera.up) * ((0.5 * height - y) * pixel_size);

@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "tests/scenes/temporary_files.h"
+
 namespace scotty::tests {
 
 /// A square from (0,0,0) to (1,1,0) as one polygon of four corners, normals +z, symbol "paint".
@@ -66,6 +68,11 @@ struct ColladaText {
                "<scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>";
     }
 };
+
+/// The scene of a document, as a file with this specification's end loads it.
+inline reference::Scene load(const ColladaText& text, const std::string& suffix = "") {
+    return TemporaryFiles().load("scene.dae", text.text(), suffix);
+}
 
 /// An extra for a light: "<extra>..CMU462..".
 inline std::string light_extra(const std::string& content) {

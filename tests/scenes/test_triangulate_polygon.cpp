@@ -239,6 +239,12 @@ TEST_CASE("polygon: one that crosses itself is told", "[scenes][polygon]") {
     for (const int k : {0, 2, 4, 1, 3}) {
         pentagram.push_back({std::cos(1.2566370614 * k), std::sin(1.2566370614 * k)});
     }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        Triangles bow;
+        CHECK_FALSE(triangulate_polygon(in_space({{0, 0}, {2, 0}, {0, 3}, {2, 3}}, axis), bow));
+    }
+    Triangles bow;
+    CHECK_FALSE(triangulate_polygon({{{0, 0, 0}, {2, 0, 0}, {0, 3, 0}, {2, 3, 0}}}, bow));
     CHECK_FALSE(triangulate_polygon(in_space(pentagram), triangles));
     CHECK(triangles.size() == 5);
 }

@@ -48,9 +48,10 @@ constexpr std::array kLightColumns{
     "kind",     "position.x", "position.y", "position.z", "edge_x.x", "edge_x.y",
     "edge_x.z", "edge_y.x",   "edge_y.y",   "edge_y.z",   "normal.x", "normal.y",
     "normal.z", "radiance.r", "radiance.g", "radiance.b", "area"};
-constexpr std::array kCameraColumns{
-    "position.x", "position.y", "position.z", "right.x",   "right.y",   "right.z",     "up.x",
-    "up.y",       "up.z",       "forward.x",  "forward.y", "forward.z", "tan_half_fov"};
+constexpr std::array kCameraColumns{"position.x",   "position.y",    "position.z", "right.x",
+                                    "right.y",      "right.z",       "up.x",       "up.y",
+                                    "up.z",         "forward.x",     "forward.y",  "forward.z",
+                                    "tan_half_fov", "tan_half_width"};
 
 /// A row of floats, filled or read in order.
 template <bool Reads>
@@ -114,6 +115,7 @@ void camera_row(R row, C& camera) {
     row.vector(camera.up);
     row.vector(camera.forward);
     row.scalar(camera.tan_half_fov);
+    row.scalar(camera.tan_half_width);
 }
 
 /// Writes arrays and lists them for input.json.

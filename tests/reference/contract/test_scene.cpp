@@ -194,6 +194,10 @@ TEST_CASE("scene: a camera that is not orthonormal and finite is an error", "[sc
         scene.camera.tan_half_fov = GENERATE(values<float>({0.0f, -1.0f, kNan, kInfinity}));
         check_rejected(scene, "camera", "field of view");
     }
+    SECTION("horizontal field of view") {
+        scene.camera.tan_half_width = GENERATE(values<float>({-1.0f, kNan, kInfinity}));
+        check_rejected(scene, "camera", "horizontal field of view");
+    }
 }
 
 TEST_CASE("scene: normals are repaired, with a count", "[scene]") {
@@ -248,7 +252,7 @@ TEST_CASE("fingerprint: is the same on every machine", "[scene]") {
 TEST_CASE("fingerprint: every field that influences a picture changes it", "[scene]") {
     const Scene scene = sound_scene();
     Scene changed = scene;
-    const int field = GENERATE(range(0, 20));
+    const int field = GENERATE(range(0, 21));
     INFO("field " << field);
     switch (field) {
         case 0:
@@ -307,6 +311,9 @@ TEST_CASE("fingerprint: every field that influences a picture changes it", "[sce
             break;
         case 18:
             changed.camera.tan_half_fov = 0.25f;
+            break;
+        case 19:
+            changed.camera.tan_half_width = 0.25f;
             break;
         default:
             changed.camera.forward.x = 0.1f;

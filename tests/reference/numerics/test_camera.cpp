@@ -97,6 +97,19 @@ TEST_CASE("camera: the vertical field of view does not depend on the image's sha
     }
 }
 
+TEST_CASE("camera: a horizontal field of view, where given, does not depend on the image's shape",
+          "[reference][camera]") {
+    Camera camera;
+    camera.tan_half_width = 0.75f;
+    for (const std::uint32_t height : {1u, 100u, 1000u}) {
+        const PathParameters parameters = image_of(1000, height);
+        const Vec3 corner = on_plane(camera, primary_ray(camera, parameters, 0, 0));
+        CHECK(corner.x == Approx(-0.75).margin(0.0015));
+        // Pixels stay square.
+        CHECK(corner.y == Approx(0.75 * height / 1000.0).margin(0.0016));
+    }
+}
+
 TEST_CASE("camera: jitter fills the pixel evenly and differs from sample to sample",
           "[reference][camera]") {
     const Camera camera;
