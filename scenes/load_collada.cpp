@@ -41,6 +41,8 @@ class ColladaLoader {
                 "the front",
                 turned_);
         }
+        scene_.file.meshes = meshes_.size();
+        scene_.file.lights = scene_.lights.size();
         settle_emission(scene_, notes_);
         settle_camera(scene_, camera_, settled(choice), notes_);
         notes_.write_to(scene_.warnings);
@@ -160,6 +162,7 @@ class ColladaLoader {
     }
 
     void take_camera(pugi::xml_node instance, const Affine& place) {
+        ++scene_.file.cameras;
         if (camera_) {
             notes_.add("a further camera: the first one is used");
             return;
@@ -202,6 +205,7 @@ class ColladaLoader {
 
     void add_instance(pugi::xml_node instance, pugi::xml_node geometry, const Affine& place) {
         const ColladaMesh& shape = mesh(geometry);
+        ++scene_.file.instances;
         const auto base = static_cast<std::uint32_t>(scene_.vertices.size());
         if (scene_.vertices.size() + shape.positions.size() >= reference::kNone) {
             throw document_.error(instance, "more vertices than 32 bits can number");

@@ -10,6 +10,14 @@
 
 namespace scotty::reference {
 
+/// What a scene file holds; the scene itself keeps no trace of it. All 0 for a built-in scene.
+struct FileContents {
+    std::size_t meshes = 0;     ///< that are placed in the scene
+    std::size_t instances = 0;  ///< how often they are placed, all together
+    std::size_t cameras = 0;
+    std::size_t lights = 0;  ///< without those that emissive meshes become
+};
+
 /// Indexed triangles with one material each, lights, a camera. Right-handed, metres.
 struct Scene {
     std::string name;    ///< what reports call it: "coil", "CBbunny.dae"
@@ -24,6 +32,7 @@ struct Scene {
     Camera camera;
     /// What was repaired, approximated or left out on the way in: one sentence each.
     std::vector<std::string> warnings;
+    FileContents file;
 };
 
 /// Plain pointers into a Scene, for kernels. Valid as long as the scene is neither changed nor

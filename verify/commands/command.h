@@ -14,6 +14,7 @@ namespace scotty::verify {
 using Action = std::function<int()>;
 
 void add_list_command(CLI::App& app, Action& action);
+void add_info_command(CLI::App& app, Action& action);
 void add_render_command(CLI::App& app, Action& action);
 void add_verify_command(CLI::App& app, Action& action, const std::string& command_line);
 void add_bench_command(CLI::App& app, Action& action);

@@ -36,7 +36,11 @@ void add_list_command(CLI::App& app, Action& action) {
                 if (!scene.parameters.empty())
                     text += fmt::format("{:<10} {}:{}\n", "", scene.name, scene.parameters);
             }
-            text += "\nor the path of a .dae, .obj, .ply, .gltf or .glb file\n";
+            text +=
+                "\nor the path of a .dae, .obj, .ply, .gltf or .glb file; at its end may stand\n"
+                "#camera=file   the file's own camera, #camera=fit one that frames everything\n"
+                "#lights=none   add no light where the file has none (or both: "
+                "#camera=fit,lights=none)\n";
             print_result(text);
             return kExitPassed;
         };
