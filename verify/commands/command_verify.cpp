@@ -158,9 +158,10 @@ int run_verify(VerifyOptions& options) {
     report.backend = options.settings.backend;
     report.command = options.command_line;
     for (std::size_t i = 0; i < loaded.size() && !options.only_golden; ++i) {
-        for (const std::string& warning : loaded[i].warnings) {
+        const auto warn = [&](const std::string& warning) {
             spdlog::warn("{}: {}", options.scenes[i], warning);
-        }
+        };
+        std::for_each(loaded[i].warnings.begin(), loaded[i].warnings.end(), warn);
         options.settings.first_unit = i * each;
         Progress progress;
         options.settings.progress = [&](const std::string& what, std::size_t done,
@@ -171,6 +172,8 @@ int run_verify(VerifyOptions& options) {
         SceneReport scene = verify_scene(loaded[i], options.settings);
         progress.clear();
         if (scene.configurations.empty()) continue;  // all of it is other shards'
+        const auto known = static_cast<std::ptrdiff_t>(loaded[i].warnings.size());
+        std::for_each(scene.warnings.begin() + known, scene.warnings.end(), warn);
         spdlog::info("{}: {} configurations, {} rays, {:.1f} s: {}", scene.scene,
                      scene.configurations.size(), scene.rays(), scene.seconds,
                      scene.passed() ? "passed" : "FAILED");

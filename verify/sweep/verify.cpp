@@ -54,6 +54,14 @@ class TamperingObserver : public reference::StageObserver {
     std::size_t configuration_;
 };
 
+bool hits_anything(const Recording& recording) {
+    return std::any_of(recording.traversals.begin(), recording.traversals.end(),
+                       [](const TraversalRecord& traversal) {
+                           return std::any_of(traversal.hits.begin(), traversal.hits.end(),
+                                              reference::is_hit);
+                       });
+}
+
 class SceneVerification {
  public:
     SceneVerification(const reference::Scene& scene, const VerifySettings& settings)
@@ -75,6 +83,11 @@ class SceneVerification {
         if (!whole && ours.empty()) return std::move(report_);
         steps_ = 1 + (whole && settings_.oracles ? 1 : 0) + ours.size();
         const Recording truth = run_configuration(all.front(), nullptr);
+        if (!hits_anything(truth)) {
+            report_.warnings.emplace_back(
+                "no ray hit anything, so hits were not put to the test: does the camera see the "
+                "scene (#camera=fit frames a file's), and have its triangles any area?");
+        }
         if (whole) {
             if (settings_.oracles) run_oracles(truth);
         } else {

@@ -62,6 +62,28 @@ Report report_of(SceneReport scene) {
     return report;
 }
 
+TEST_CASE("verify: a scene that no ray hits passes with a warning", "[verify][whole]") {
+    const auto warns_of_nothing = [](const Scene& scene) {
+        const SceneReport report = verify::verify_scene(scene, quick());
+        CHECK(report.passed());
+        for (const std::string& warning : report.warnings) {
+            if (warning.find("no ray hit anything") != std::string::npos) return true;
+        }
+        return false;
+    };
+    Scene scene = scenes::load_scene("cornell");
+    CHECK_FALSE(warns_of_nothing(scene));
+    SECTION("the camera looks away") {
+        scene.camera.position = Vec3(0.0f, 0.0f, 1e3f);
+        scene.camera.forward = -scene.camera.forward;
+        scene.camera.right = -scene.camera.right;
+    }
+    SECTION("triangles without area") {
+        for (auto& triangle : scene.triangles) triangle[2] = triangle[1];
+    }
+    CHECK(warns_of_nothing(scene));
+}
+
 TEST_CASE("verify: a right pipeline passes, and everything was looked at", "[verify][whole]") {
     std::size_t steps = 0;
     VerifySettings settings = quick();
