@@ -107,11 +107,27 @@ bool finite(const Vec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
+/// Bounds of a direction's largest component. Products of such directions with coordinates stay
+/// finite and above zero in float, in our tracers and in Embree.
+constexpr float kShortestDirection = 1e-12f;
+constexpr float kLongestDirection = 1e12f;
+
 /// Null where the ray can be traced.
 const char* fault_of(const Ray& ray) {
     if (!finite(ray.origin)) return "its origin is not finite";
     if (!finite(ray.direction)) return "its direction is not finite";
+    if (reference::max_abs(ray.origin) > reference::kMaxCoordinate) {
+        return "its origin is beyond 1e12, where scenes end";
+    }
     if (reference::is_zero(ray.direction)) return "its direction is zero";
+    const float longest = reference::max_abs(ray.direction);
+    if (longest < kShortestDirection) {
+        return "its direction is too short: scale it to 1e-12 at least, and divide its t by as "
+               "much";
+    }
+    if (longest > kLongestDirection) {
+        return "its direction is too long: scale it to 1e12 at most, and divide its t by as much";
+    }
     if (!(ray.t_min >= 0.0f)) return "its t_min is negative or NaN";
     if (std::isnan(ray.t_max)) return "its t_max is NaN";
     return nullptr;

@@ -24,7 +24,8 @@ struct RayFile {
 };
 
 /// Throws bad_input naming the file: not there, another kind of file, cut short or too long; and
-/// the ray: NaN or infinite origin or direction, zero direction, negative or NaN t_min, NaN t_max.
+/// the ray: NaN or infinite origin or direction, an origin beyond 1e12, a direction that is zero or
+/// whose largest component is not within 1e-12 .. 1e12, negative or NaN t_min, NaN t_max.
 RayFile read_rays(const std::filesystem::path& file);
 void write_rays(const std::filesystem::path& file, const RayFile& rays);
 

@@ -2,6 +2,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "reference/truth/tracers.h"
+#include "scenes/scenes.h"
 #include "tests/verify/capture_tools.h"
 #include "verify/capture/ray_file.h"
 
@@ -78,9 +80,51 @@ TEST_CASE("ray file: a ray that cannot be traced is named", "[verify][rays][erro
                Contains("a.ray: ray 1") && Contains("origin is not finite"));
     CHECK_THAT(error([&](Ray& r) { r.direction.z = kInfinity; }), Contains("direction"));
     CHECK_THAT(error([&](Ray& r) { r.direction = Vec3(0.0f); }), Contains("direction is zero"));
+    for (const float longest : {1e19f, 1.1e12f}) {
+        CHECK_THAT(error([&](Ray& r) { r.direction = Vec3(0.1f, longest, -1.0f); }),
+                   Contains("a.ray: ray 1") && Contains("direction is too long"));
+    }
+    for (const float longest : {1e-19f, 0.9e-12f, 1e-40f}) {
+        CHECK_THAT(error([&](Ray& r) { r.direction = Vec3(0.0f, -longest, longest); }),
+                   Contains("direction is too short"));
+    }
+    CHECK_THAT(error([&](Ray& r) { r.origin.y = -1e30f; }), Contains("origin is beyond 1e12"));
     CHECK_THAT(error([&](Ray& r) { r.t_min = -1.0f; }), Contains("t_min is negative"));
     CHECK_THAT(error([&](Ray& r) { r.t_max = nan; }), Contains("t_max is NaN"));
     CHECK(error([](Ray& r) { r.t_max = -1.0f; }) == "(no error)");  // a dead ray
+}
+
+TEST_CASE("ray file: rays at the limits of what is read hit what ordinary ones do, with Embree too",
+          "[verify][rays]") {
+    const Scene scene = scenes::load_scene("spheres");
+    const EmbreeTracer embree(scene);
+    std::vector<Hit> ordinary;
+    for (const float scale : {1.0f, 1e-12f, 1e-6f, 1e6f, 1e12f}) {
+        const TemporaryFolder folder;
+        RayFile file;
+        for (int i = 0; i < 200; ++i) {
+            const float x = 0.005f * static_cast<float>(i) - 0.5f;
+            Vec3 direction =
+                scene.camera.forward + scene.camera.up * (0.3f * x) + scene.camera.right * x;
+            direction = direction * (1.0f / max_abs(direction));
+            file.rays.push_back({scene.camera.position, 0.0f, direction * scale, kInfinity});
+        }
+        write_rays(folder / "a.ray", file);
+        const RayFile read = read_rays(folder / "a.ray");
+        std::vector<Hit> ours(read.rays.size());
+        std::vector<Hit> theirs(read.rays.size());
+        brute_force_closest(scene, read.rays, ours);
+        embree.closest(read.rays, theirs);
+        if (ordinary.empty()) ordinary = ours;
+        for (std::size_t i = 0; i < ours.size(); ++i) {
+            INFO("scale " << scale << ", ray " << i);
+            REQUIRE(is_hit(ours[i]));
+            CHECK(ours[i].primitive == ordinary[i].primitive);
+            CHECK(theirs[i].primitive == ordinary[i].primitive);
+            CHECK(ours[i].t * scale == Approx(ordinary[i].t).epsilon(1e-4));
+            CHECK(theirs[i].t * scale == Approx(ordinary[i].t).epsilon(1e-4));
+        }
+    }
 }
 
 TEST_CASE("ray file: reference hits, one a ray", "[verify][rays][errors]") {
