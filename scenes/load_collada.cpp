@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kMaxDepth = 256;
 /// Instances of instances multiply: no scene of use has this many nodes.
-constexpr std::size_t kMaxNodes = 10'000'000;
+constexpr std::size_t kMaxNodes = 1'000'000;
 constexpr const char* kDefaultMaterial = "";
 
 /// Walks the node tree and fills a Scene.

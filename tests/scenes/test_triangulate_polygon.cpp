@@ -264,9 +264,9 @@ TEST_CASE("polygon: degenerate ones give triangles without area, or none", "[sce
     CHECK(triangles.size() == 9);
 }
 
-TEST_CASE("polygon: forty thousand corners are no matter of patience", "[scenes][polygon]") {
+TEST_CASE("polygon: twenty thousand corners are no matter of patience", "[scenes][polygon]") {
     std::vector<Flat> comb;
-    constexpr int kTeeth = 20'000;
+    constexpr int kTeeth = 10'000;
     for (int i = 0; i < kTeeth; ++i) {
         comb.push_back({static_cast<double>(i), 1.0});
         comb.push_back({i + 0.5, 2.0});
