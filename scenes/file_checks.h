@@ -12,14 +12,6 @@ namespace scotty::scenes {
 /// The whole file as bytes. Throws reference::Error (bad_input) where it cannot be read.
 std::string read_file(const std::string& path);
 
-/// OBJ: every vertex is three finite numbers, every face index refers to a vertex. Errors name the
-/// line. Notes a missing material library and elements that are no polygons.
-void check_obj(const std::string& path, Notes& notes);
-
-/// PLY (ASCII or binary): the body holds all that the header announces, every face index refers to
-/// a vertex. Errors name the element and its number.
-void check_ply(const std::string& path);
-
 /// glTF (.gltf or .glb): JSON whose buffers, views, accessors and nodes hang together. Returns the
 /// JSON. Notes extensions that are not supported.
 nlohmann::json check_gltf(const std::string& path, Notes& notes);

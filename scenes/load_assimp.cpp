@@ -59,8 +59,6 @@ class AssimpLoader {
     explicit AssimpLoader(std::string path) : path_(std::move(path)), format_(format_of(path_)) {}
 
     Scene load(CameraChoice choice) {
-        if (format_ == Format::obj) check_obj(path_, notes_);
-        if (format_ == Format::ply) check_ply(path_);
         if (format_ == Format::gltf) json_ = check_gltf(path_, notes_);
         source_ = importer_.ReadFile(path_, aiProcess_Triangulate | aiProcess_SortByPType);
         if (source_ == nullptr || source_->mRootNode == nullptr) {

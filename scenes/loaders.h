@@ -28,7 +28,13 @@ FileChoices take_choices(std::string& path);
 /// COLLADA with the Scotty3D extras. Throws reference::Error (bad_input) naming file and element.
 reference::Scene load_collada(const std::string& path, CameraChoice camera);
 
-/// OBJ, PLY, glTF (.gltf, .glb) through assimp. Throws reference::Error (bad_input).
+/// OBJ with its material libraries. Throws reference::Error (bad_input) naming file and line.
+reference::Scene load_obj(const std::string& path, CameraChoice camera);
+
+/// PLY, as text or binary. Throws reference::Error (bad_input) naming file, element and number.
+reference::Scene load_ply(const std::string& path, CameraChoice camera);
+
+/// glTF (.gltf, .glb) through assimp. Throws reference::Error (bad_input).
 reference::Scene load_with_assimp(const std::string& path, CameraChoice camera);
 
 }  // namespace scotty::scenes

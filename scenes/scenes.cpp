@@ -73,8 +73,11 @@ Scene load_file(const std::string& specification) {
                                                  "file, found the extension '{}'",
                                                  extension));
     }
-    Scene scene =
-        is_collada ? load_collada(path, choices.camera) : load_with_assimp(path, choices.camera);
+    const auto load = is_collada            ? load_collada
+                      : extension == ".obj" ? load_obj
+                      : extension == ".ply" ? load_ply
+                                            : load_with_assimp;
+    Scene scene = load(path, choices.camera);
     if (choices.default_lights) {
         Notes notes;
         add_default_lights(scene, notes);
