@@ -63,8 +63,9 @@ class PlyLoader {
         }
         for (const char* name : kPositionNames) {
             if (vertex->values_named(name) == 1 && vertex->value(name) != nullptr) continue;
-            fail_header(fmt::format("vertex: expected one '{}', a single value, found {}", name,
-                                    vertex->values_named(name)));
+            fail_header(
+                fmt::format("vertex: expected one '{}', found {} (a single value is needed)", name,
+                            vertex->values_named(name)));
         }
         vertex_count_ = static_cast<std::uint32_t>(vertex->count);
         has_normals_ = std::all_of(kNormalNames.begin(), kNormalNames.end(), [&](const char* name) {

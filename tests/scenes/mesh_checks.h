@@ -50,6 +50,16 @@ inline double signed_volume(const Scene& scene, std::uint32_t material) {
     return volume;
 }
 
+/// Of all triangles together.
+inline double area_of(const Scene& scene) {
+    double doubled = 0.0;
+    for (const auto& [a, b, c] : scene.triangles) {
+        doubled += reference::length(reference::cross(scene.vertices[b] - scene.vertices[a],
+                                                      scene.vertices[c] - scene.vertices[a]));
+    }
+    return 0.5 * doubled;
+}
+
 /// Largest deviation from unit length of the non-zero normals.
 inline float worst_normal(const Scene& scene) {
     float worst = 0.0f;

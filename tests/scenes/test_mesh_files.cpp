@@ -1,5 +1,4 @@
 #include <catch2/catch.hpp>
-#include <cstring>
 
 #include "reference/base/error.h"
 #include "tests/scenes/mesh_checks.h"
@@ -15,13 +14,6 @@ using tests::TemporaryFiles;
 using tests::warns;
 
 namespace {
-
-const std::string kSquareObj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
-
-const std::string kPlyHeader =
-    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
-    "z\n"
-    "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
 
 /// A triangle with a camera and a light, its buffer inside the file (three corners, indices 0 1 2).
 std::string gltf(const std::string& material, const std::string& more_nodes = "") {
@@ -48,115 +40,6 @@ const std::string kPaint = R"({"pbrMetallicRoughness":{"baseColorFactor":[0.8,0.
 "metallicFactor":0,"roughnessFactor":1}})";
 
 }  // namespace
-
-TEST_CASE("obj: polygons, shared vertices, relative indices, continued lines", "[scenes][obj]") {
-    const TemporaryFiles files;
-    const Scene square = files.load("a.obj", kSquareObj + "f 1 2 3 4\n");
-    CHECK(square.triangles.size() == 2);
-    CHECK(square.vertices.size() == 4);
-    CHECK(square.normals.empty());
-    CHECK(warns(square, "no camera in the file"));
-    CHECK(warns(square, "no light in the file"));
-    CHECK(files.load("b.obj", kSquareObj + "f -4 -3 -2 -1\n").triangles.size() == 2);
-    CHECK(files.load("c.OBJ", kSquareObj + "f 1 2 \\\n3 4\n").triangles.size() == 2);
-}
-
-TEST_CASE("obj: positions stay as they are, to the bit", "[scenes][obj]") {
-    const Scene scene = TemporaryFiles().load(
-        "a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0.0000001 0 0\nv 0 0 1\nf 1 2 3\nf 4 2 5\n");
-    CHECK(scene.vertices.size() == 5);
-    CHECK(scene.vertices[3] == Vec3(1e-7f, 0, 0));
-}
-
-TEST_CASE("obj: mirror, glass and emission of a material library", "[scenes][obj]") {
-    const TemporaryFiles files;
-    files.write("m.mtl",
-                "newmtl mirror\nillum 3\nKs 0.9 0.8 0.7\nnewmtl glass\nillum 7\nNi 1.4\n"
-                "Tf 0.9 1 0.8\nnewmtl lamp\nKd 0.2 0.3 0.4\nKe 3 2 1\nmap_Kd foo.png\n");
-    const Scene scene = files.load("a.obj", "mtllib m.mtl\n" + kSquareObj +
-                                                "usemtl mirror\nf 1 2 3\nusemtl glass\nf 1 3 4\n"
-                                                "usemtl lamp\nf 2 3 4\nl 1 2\n");
-    const auto& mirror = scene.materials[scene.material_of[0]];
-    CHECK(mirror.kind == MaterialKind::mirror);
-    CHECK(mirror.reflectance == Vec3(0.9f, 0.8f, 0.7f));
-    const auto& glass = scene.materials[scene.material_of[1]];
-    CHECK(glass.kind == MaterialKind::glass);
-    CHECK(glass.ior == 1.4f);
-    CHECK(glass.transmittance == Vec3(0.9f, 1, 0.8f));
-    const auto& lamp = scene.materials[scene.material_of[2]];
-    CHECK(lamp.emission == Vec3(3, 2, 1));
-    CHECK(lamp.reflectance == Vec3(0.2f, 0.3f, 0.4f));
-    CHECK(lamp.emission_is_sampled == 1);
-    REQUIRE(scene.lights.size() == 1);
-    CHECK(scene.lights[0].kind == LightKind::triangle);
-    CHECK(warns(scene, "texture"));
-    CHECK(warns(scene, "'l' elements"));
-}
-
-TEST_CASE("obj: what is wrong is named with its line", "[scenes][obj]") {
-    const TemporaryFiles files;
-    const auto fails = [&](const std::string& text, const std::string& line,
-                           const std::string& what) {
-        CHECK_THROWS_WITH(files.load("a.obj", text),
-                          Contains("a.obj") && Contains(line) && Contains(what));
-    };
-    fails(kSquareObj + "f 1 2 9\n", "line 5", "vertex index 9 out of range");
-    fails(kSquareObj + "f 1 2 -9\n", "line 5", "vertex index -9 out of range");
-    fails(kSquareObj + "f 1 2 0\n", "line 5", "found '0'");
-    fails(kSquareObj + "f 1 2 x\n", "line 5", "found 'x'");
-    fails(kSquareObj + "f 1 2\n", "line 5", "at least 3 corners");
-    fails("v 0 0 0\nv 1 nan 0\n", "line 2", "found 'nan'");
-    fails("v 0 0 0\nv 1 1e99 0\n", "line 2", "found '1e99'");
-    fails("v 0 0 0\nv 1 0\n", "line 2", "found ''");
-    fails("", "a.obj", "no vertices");
-    CHECK_THROWS_WITH(files.load("a.obj", kSquareObj + "l 1 2\n"), Contains("no triangles"));
-    CHECK(warns(files.load("a.obj", "mtllib gone.mtl\n" + kSquareObj + "f 1 2 3\n"),
-                "material library 'gone.mtl' is missing"));
-}
-
-TEST_CASE("ply: text and binary", "[scenes][ply]") {
-    const TemporaryFiles files;
-    const Scene text = files.load("a.ply", kPlyHeader + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
-    CHECK(text.triangles.size() == 1);
-    CHECK(text.materials[0].reflectance == Vec3(0.5f, 0.5f, 0.5f));
-    CHECK(warns(text, "a mesh without material"));
-    const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
-    const std::int32_t face[3] = {0, 1, 2};
-    std::string binary = tests::replaced(kPlyHeader, "ascii", "binary_little_endian");
-    binary.append(reinterpret_cast<const char*>(corners), sizeof corners);
-    binary += '\3';
-    binary.append(reinterpret_cast<const char*>(face), sizeof face);
-    CHECK(reference::fingerprint(files.load("b.ply", binary)) == reference::fingerprint(text));
-    binary.pop_back();
-    CHECK_THROWS_WITH(files.load("b.ply", binary), Contains("face 0") && Contains("truncated?"));
-}
-
-TEST_CASE("ply: what is wrong is named with its element", "[scenes][ply]") {
-    const TemporaryFiles files;
-    const auto fails = [&](const std::string& text, const std::string& where,
-                           const std::string& what) {
-        CHECK_THROWS_WITH(files.load("a.ply", text),
-                          Contains("a.ply") && Contains(where) && Contains(what));
-    };
-    fails(kPlyHeader + "0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", "face 0", "vertex index 7 out of range");
-    fails(kPlyHeader + "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", "face 0", "out of range");
-    fails(kPlyHeader + "0 0 0\n1 0 0\n0 nan 0\n3 0 1 2\n", "vertex 2", "finite");
-    fails(kPlyHeader + "0 0 0\n1 0 0\n", "vertex 2", "truncated?");
-    fails(kPlyHeader + "0 0 0\n1 0 hello\n", "byte", "'hello'");
-    fails("ply\nformat ascii 1.0\n", "header", "no end_header");
-    fails("nonsense", "header", "'ply' first");
-    fails("", "header", "'ply' first");
-    fails(std::string("ply\nformat ascii 1.0\nproperty uchar \0red\n", 41), "header",
-          "no text: 0x00");
-    fails(tests::replaced(kPlyHeader, "ascii", "latin"), "header", "'latin'");
-    fails(tests::replaced(kPlyHeader, "float x", "real x"), "header", "real x");
-    fails(tests::replaced(kPlyHeader, "vertex 3", "vertex 0"), "header", "no vertices");
-    fails(tests::replaced(kPlyHeader, "float y", "float x"), "header", "one 'x', found 2");
-    fails(tests::replaced(kPlyHeader, "end_header", "end_header:"), "header", "'end_header:'");
-    fails(tests::replaced(kPlyHeader, "vertex 3", "vertex 3property"), "header",
-          "vertex 3property");
-    fails(kPlyHeader + "0 0 0\n1 0 0\n0 1 0\n0\n", "face 0", "without corners");
-}
 
 TEST_CASE("gltf: transforms, camera and lights", "[scenes][gltf]") {
     const Scene scene = TemporaryFiles().load("a.gltf", gltf(kPaint));
