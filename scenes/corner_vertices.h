@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "reference/scene.h"
+#include "reference/contract/scene.h"
 
 namespace scotty::scenes {
 

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <map>
 
-#include "reference/error.h"
-#include "reference/intersect_box.h"
+#include "reference/base/error.h"
+#include "reference/numerics/intersect_box.h"
 #include "scenes/add_polygon.h"
 #include "scenes/corner_vertices.h"
 #include "scenes/file_scene.h"
@@ -68,7 +68,6 @@ class ObjLoader {
         materials_.note_missing();
         if (scene_.triangles.empty()) throw no_triangles();
         settle_emission(scene_, notes_);
-        light_if_dark(scene_, notes_);
         settle_camera(scene_, std::nullopt, choice, notes_);
         notes_.write_to(scene_.warnings);
         return std::move(scene_);
@@ -320,13 +319,10 @@ class ObjLoader {
     }
 
     Error no_triangles() const {
-        std::vector<std::string> reasons;
-        notes_.write_to(reasons);
         return Error::bad_input(
-            path_,
-            fmt::format("no triangles in the file ({} vertices and no faces), nothing to "
-                        "render{}{}",
-                        position_count_, reasons.empty() ? "" : "; ", fmt::join(reasons, "; ")));
+            path_, notes_.explain(fmt::format("no triangles in the file ({} vertices and no "
+                                              "faces), nothing to render",
+                                              position_count_)));
     }
 
     std::string path_;

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <array>
 
-#include "reference/error.h"
-#include "reference/intersect_box.h"
+#include "reference/base/error.h"
+#include "reference/numerics/intersect_box.h"
 #include "scenes/add_polygon.h"
 #include "scenes/corner_vertices.h"
 #include "scenes/file_scene.h"
@@ -41,7 +41,6 @@ class PlyLoader {
         if (scene_.triangles.empty()) throw no_triangles();
         drop_unused_vertices(scene_, is_used_);
         settle_emission(scene_, notes_);
-        light_if_dark(scene_, notes_);
         settle_camera(scene_, std::nullopt, choice, notes_);
         notes_.write_to(scene_.warnings);
         return std::move(scene_);
@@ -282,13 +281,11 @@ class PlyLoader {
     }
 
     Error no_triangles() const {
-        std::vector<std::string> reasons;
-        notes_.write_to(reasons);
         return Error::bad_input(
-            path_,
-            fmt::format("no triangles in the file, nothing to render: {} vertices and no "
-                        "element 'face' or 'tristrips' with triangles{}{}",
-                        vertex_count_, reasons.empty() ? "" : "; ", fmt::join(reasons, "; ")));
+            path_, notes_.explain(fmt::format("no triangles in the file, nothing to render: {} "
+                                              "vertices and no element 'face' or 'tristrips' with "
+                                              "triangles",
+                                              vertex_count_)));
     }
 
     std::string path_;

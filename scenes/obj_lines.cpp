@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "reference/error.h"
+#include "reference/base/error.h"
 
 namespace scotty::scenes {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "reference/error.h"
+#include "reference/base/error.h"
 #include "scenes/file_scene.h"
 #include "scenes/obj_library_names.h"
 #include "scenes/obj_lines.h"
@@ -14,6 +14,7 @@ namespace scotty::scenes {
 
 using reference::Material;
 using reference::MaterialKind;
+using reference::Vec3;
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "reference/scene.h"
+#include "reference/contract/scene.h"
 #include "scenes/notes.h"
 
 namespace scotty::scenes {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <charconv>
 
-#include "reference/error.h"
+#include "reference/base/error.h"
 
 namespace scotty::scenes {
 

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <limits>
 
-#include "reference/error.h"
+#include "reference/base/error.h"
 #include "scenes/parse_number.h"
 
 namespace scotty::scenes {

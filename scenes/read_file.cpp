@@ -1,7 +1,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "reference/error.h"
+#include "reference/base/error.h"
 #include "scenes/file_checks.h"
 
 namespace scotty::scenes {

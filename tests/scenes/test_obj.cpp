@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 
-#include "reference/error.h"
+#include "reference/base/error.h"
 #include "tests/scenes/mesh_checks.h"
 #include "tests/scenes/temporary_files.h"
 

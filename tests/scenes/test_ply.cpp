@@ -3,7 +3,7 @@
 #include <cstring>
 #include <limits>
 
-#include "reference/error.h"
+#include "reference/base/error.h"
 #include "tests/scenes/mesh_checks.h"
 #include "tests/scenes/temporary_files.h"
 
