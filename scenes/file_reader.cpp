@@ -15,15 +15,43 @@ namespace {
 
 constexpr std::size_t kBufferSize = std::size_t{1} << 18;
 
+/// Bytes of the UTF-8 character at the front of `text`; 0 where there is none. Messages end up in
+/// JSON, which has to be UTF-8.
+std::size_t character_length(std::string_view text) {
+    const auto byte = [&](std::size_t i) {
+        return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u;
+    };
+    const auto follows = [&](std::size_t i) { return (byte(i) & 0xc0u) == 0x80u; };
+    if (byte(0) < 0x80) return 1;
+    if (byte(0) >= 0xc2 && byte(0) < 0xe0) return follows(1) ? 2 : 0;
+    if ((byte(0) & 0xf0u) == 0xe0) {
+        // Neither longer than needed nor half of a pair (RFC 3629, section 4).
+        const bool is_minimal = byte(0) != 0xe0 || byte(1) >= 0xa0;
+        const bool is_half = byte(0) == 0xed && byte(1) >= 0xa0;
+        return follows(1) && follows(2) && is_minimal && !is_half ? 3 : 0;
+    }
+    if (byte(0) >= 0xf0 && byte(0) < 0xf5) {
+        const bool is_in_range =
+            (byte(0) != 0xf0 || byte(1) >= 0x90) && (byte(0) != 0xf4 || byte(1) < 0x90);
+        return follows(1) && follows(2) && follows(3) && is_in_range ? 4 : 0;
+    }
+    return 0;
+}
+
 bool is_separator(char c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; }
 
 }  // namespace
 
 std::string shown(std::string_view text) {
     constexpr std::size_t kMost = 60;
-    std::string out(text.substr(0, kMost));
-    for (char& c : out) c = (c >= 0 && c < ' ') || c == 0x7f ? '?' : c;
-    return text.size() > kMost ? out + "..." : out;
+    std::string out;
+    while (!text.empty() && out.size() < kMost) {
+        const std::size_t length = character_length(text);
+        const bool is_control = length == 1 && (text[0] < ' ' || text[0] == 0x7f);
+        out += length == 0 || is_control ? "?" : text.substr(0, length);
+        text.remove_prefix(std::max<std::size_t>(length, 1));
+    }
+    return text.empty() ? out : out + "...";
 }
 
 FileReader::FileReader(std::string path)

@@ -14,7 +14,8 @@
 
 namespace scotty::scenes {
 
-/// `text` for a message: at most 60 bytes of it, control characters as question marks.
+/// `text` for a message: about 60 bytes of it, control characters and what is no
+/// UTF-8 as question marks.
 std::string shown(std::string_view text);
 
 class FileReader {

@@ -287,6 +287,21 @@ TEST_CASE("obj: an unknown material is named and grey", "[scenes][obj]") {
     CHECK(warns(files.load("a.obj", kSquareObj + "f 1 2 3\n"), "a mesh without material"));
 }
 
+TEST_CASE("obj: names that are no UTF-8, or very long, are shown as UTF-8, in part",
+          "[scenes][obj]") {
+    const TemporaryFiles files;
+    const auto warns_of = [&](const std::string& name, const std::string& shown) {
+        const Scene scene = files.load("a.obj", kSquareObj + "usemtl " + name + "\nf 1 2 3\n");
+        CHECK(warns(scene, "the material '" + shown + "' is in no"));
+    };
+    warns_of("gr\xfc\x6e", "gr?n");
+    warns_of("gr\xc3\xbcn \xe2\x82\xac \xf0\x9f\x99\x82",
+             "gr\xc3\xbcn \xe2\x82\xac \xf0\x9f\x99\x82");
+    warns_of("\xc0\xaf \xed\xa0\x80 \xf5\x80\x80\x80 \xe2\x82", "?? ??? ???? ??");
+    warns_of("\x01x", "?x");
+    warns_of(std::string(59, 'x') + "\xc3\xbcyz", std::string(59, 'x') + "\xc3\xbc...");
+}
+
 TEST_CASE("obj: statements of a material library", "[scenes][obj]") {
     const TemporaryFiles files;
     std::string warnings;
