@@ -34,7 +34,7 @@ reference::Scene load_obj(const std::string& path, CameraChoice camera);
 /// PLY, as text or binary. Throws reference::Error (bad_input) naming file, element and number.
 reference::Scene load_ply(const std::string& path, CameraChoice camera);
 
-/// glTF (.gltf, .glb) through assimp. Throws reference::Error (bad_input).
-reference::Scene load_with_assimp(const std::string& path, CameraChoice camera);
+/// glTF 2.0 (.gltf, .glb). Throws reference::Error (bad_input) naming file and element.
+reference::Scene load_gltf(const std::string& path, CameraChoice camera);
 
 }  // namespace scotty::scenes

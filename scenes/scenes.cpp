@@ -76,7 +76,7 @@ Scene load_file(const std::string& specification) {
     const auto load = is_collada            ? load_collada
                       : extension == ".obj" ? load_obj
                       : extension == ".ply" ? load_ply
-                                            : load_with_assimp;
+                                            : load_gltf;
     Scene scene = load(path, choices.camera);
     if (choices.default_lights) {
         Notes notes;

@@ -1,0 +1,149 @@
+#include <fmt/format.h>
+
+#include <map>
+
+#include "scenes/file_scene.h"
+#include "scenes/gltf_parts.h"
+#include "scenes/gltf_primitive.h"
+#include "scenes/loaders.h"
+#include "scenes/mesh.h"
+
+namespace scotty::scenes {
+
+using reference::Error;
+using reference::Scene;
+
+namespace {
+
+/// Walks the nodes of a glTF file and fills a Scene.
+class GltfLoader {
+ public:
+    explicit GltfLoader(const std::string& path) : document_(path, notes_) {}
+
+    Scene load(CameraChoice choice) {
+        const GltfObject root = document_.root();
+        notes_.add("an animation is not supported: the scene stands still",
+                   root.length("animations"));
+        const GltfNodes nodes(document_, notes_);
+        for (const auto& [index, place] : nodes.placed()) {
+            visit(root.at("nodes", index, root), place);
+        }
+        reserve();
+        for (const Instance& instance : instances_) add_instance(instance);
+        if (scene_.triangles.empty()) throw nothing_to_render();
+        settle_emission(scene_, notes_);
+        light_if_dark(scene_, notes_);
+        settle_camera(scene_, camera_, choice, notes_);
+        notes_.write_to(scene_.warnings);
+        return std::move(scene_);
+    }
+
+ private:
+    struct Instance {
+        std::uint64_t mesh;
+        Affine place;
+    };
+
+    void visit(const GltfObject& node, const Affine& place) {
+        const GltfObject root = document_.root();
+        if (const auto mesh = node.whole("mesh")) {
+            instances_.push_back({*mesh, place});
+            primitives_of(*mesh, node);
+        }
+        if (const auto light = node.extension("KHR_lights_punctual")) {
+            const auto lights = root.extension("KHR_lights_punctual");
+            if (!lights) throw light->error("the file has no lights");
+            const auto read = read_gltf_light(
+                lights->at("lights", light->required_whole("light"), node), place, notes_);
+            if (read) scene_.lights.push_back(*read);
+        }
+        if (const auto camera = node.whole("camera")) {
+            const auto read = read_gltf_camera(root.at("cameras", *camera, node), place, notes_);
+            if (read && camera_) notes_.add("a further camera: the first one is used");
+            if (read && !camera_) camera_ = read;
+        }
+    }
+
+    const std::vector<GltfPrimitive>& primitives_of(std::uint64_t mesh, const GltfObject& user) {
+        const auto known = meshes_.find(mesh);
+        if (known != meshes_.end()) return known->second;
+        const GltfObject object = document_.root().at("meshes", mesh, user);
+        return meshes_.emplace(mesh, read_gltf_mesh(document_, object, notes_)).first->second;
+    }
+
+    /// Makes room at once for what all instances have, so that nothing has to be copied later.
+    void reserve() {
+        std::uint64_t triangles = 0;
+        std::uint64_t vertices = 0;
+        for (const Instance& instance : instances_) {
+            for (const GltfPrimitive& primitive : meshes_.at(instance.mesh)) {
+                triangles += primitive.triangles();
+                vertices += std::min(primitive.position.count(), primitive.corners());
+            }
+            if (triangles > static_cast<std::uint64_t>(kMaxTriangles)) {
+                throw Error::bad_input(
+                    document_.path(),
+                    fmt::format("more than {:.0f} triangles in all nodes together", kMaxTriangles));
+            }
+        }
+        scene_.triangles.reserve(triangles);
+        scene_.material_of.reserve(triangles);
+        scene_.vertices.reserve(vertices);
+        scene_.normals.reserve(vertices);
+    }
+
+    void add_instance(const Instance& instance) {
+        for (const GltfPrimitive& primitive : meshes_.at(instance.mesh)) {
+            const auto material = material_of(primitive);
+            if (material) add_gltf_primitive(scene_, primitive, instance.place, *material);
+        }
+    }
+
+    /// Nothing where the material makes the primitive invisible.
+    std::optional<std::uint32_t> material_of(const GltfPrimitive& primitive) {
+        const auto known = materials_.find(primitive.material);
+        if (known != materials_.end()) return known->second;
+        std::optional<std::uint32_t> index;
+        if (!primitive.material) {
+            notes_.add("a mesh without material: grey 0.5");
+            index = add_diffuse(scene_, Vec3(0.5f, 0.5f, 0.5f));
+        } else {
+            const GltfObject root = document_.root();
+            if (*primitive.material >= root.length("materials")) {
+                throw Error::bad_input(primitive.place,
+                                       fmt::format("material {} out of range, the file has {}",
+                                                   *primitive.material, root.length("materials")));
+            }
+            const GltfMaterial read =
+                read_gltf_material(root.at("materials", *primitive.material, root), notes_);
+            if (read.is_visible) index = add_material(scene_, read.material);
+        }
+        materials_.emplace(primitive.material, index);
+        return index;
+    }
+
+    /// Says what was left out, since that is the likely reason.
+    Error nothing_to_render() const {
+        std::vector<std::string> reasons;
+        notes_.write_to(reasons);
+        std::string what = "no triangles in the scene, nothing to render";
+        for (const std::string& reason : reasons) what += "; " + reason;
+        return Error::bad_input(document_.path(), what);
+    }
+
+    Notes notes_;
+    GltfDocument document_;
+    Scene scene_;
+    std::optional<reference::Camera> camera_;
+    std::vector<Instance> instances_;
+    std::map<std::uint64_t, std::vector<GltfPrimitive>> meshes_;
+    std::map<std::optional<std::uint64_t>, std::optional<std::uint32_t>> materials_;
+};
+
+}  // namespace
+
+Scene load_gltf(const std::string& path, CameraChoice camera) {
+    return GltfLoader(path).load(camera);
+}
+
+}  // namespace scotty::scenes
