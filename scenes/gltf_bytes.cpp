@@ -6,7 +6,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "reference/error.h"
+#include "reference/base/error.h"
 
 namespace scotty::scenes {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "reference/error.h"
+#include "reference/base/error.h"
 
 namespace scotty::scenes {
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "reference/records.h"
+#include "reference/contract/records.h"
 #include "scenes/affine.h"
 #include "scenes/gltf_document.h"
 

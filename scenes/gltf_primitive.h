@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "reference/scene.h"
+#include "reference/contract/scene.h"
 #include "scenes/affine.h"
 #include "scenes/gltf_accessor.h"
 

@@ -1,7 +1,7 @@
 /// How the materials of file formats become ours: one place for each kind of description.
 #pragma once
 
-#include "reference/records.h"
+#include "reference/contract/records.h"
 #include "scenes/notes.h"
 
 namespace scotty::scenes {

@@ -1,7 +1,7 @@
 /// Scenes, lights, cameras and materials of glTF files.
 #include <catch2/catch.hpp>
 
-#include "reference/error.h"
+#include "reference/base/error.h"
 #include "tests/scenes/gltf_text.h"
 #include "tests/scenes/mesh_checks.h"
 #include "tests/scenes/temporary_files.h"

@@ -1,7 +1,7 @@
 /// glTF as files: containers, uris, versions, extensions, and what is wrong with them.
 #include <catch2/catch.hpp>
 
-#include "reference/error.h"
+#include "reference/base/error.h"
 #include "scenes/noise.h"
 #include "tests/scenes/gltf_text.h"
 #include "tests/scenes/mesh_checks.h"
