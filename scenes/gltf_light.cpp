@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "scenes/gltf_parts.h"
@@ -29,6 +30,22 @@ Vec3 radiance_of(const GltfObject& light) {
     return radiance;
 }
 
+reference::SpotCone cone_of(const GltfObject& light) {
+    const auto spot = light.object("spot");
+    const double inner = spot ? spot->number("innerConeAngle", 0.0) : 0.0;
+    const double outer = spot ? spot->number("outerConeAngle", 45.0 * kDegree) : 45.0 * kDegree;
+    if (!(inner >= 0.0 && inner < outer && outer <= 90.001 * kDegree)) {
+        throw light.error(
+            fmt::format("spot: expected 0 <= innerConeAngle < outerConeAngle <= pi/2, "
+                        "found {} and {}",
+                        inner, outer));
+    }
+    // A cone that is too narrow for a float keeps some width.
+    constexpr float kNarrowest = 0.999999f;
+    const float cosine = std::min(static_cast<float>(std::cos(outer)), kNarrowest);
+    return {std::max(static_cast<float>(std::cos(inner)), cosine), cosine};
+}
+
 }  // namespace
 
 std::optional<Light> read_gltf_light(const GltfObject& light, const Affine& place, Notes& notes) {
@@ -48,8 +65,12 @@ std::optional<Light> read_gltf_light(const GltfObject& light, const Affine& plac
     if (light.has("range")) {
         notes.add("a light's range is not supported: it falls off with the squared distance only");
     }
-    if (type == "spot") notes.add("a spot light's cone is not supported: a point light");
-    return point_light(position, radiance);
+    if (type == "point") return point_light(position, radiance);
+    const Light out =
+        spot_light(position, rounded(place.vector({0, 0, -1})), radiance, cone_of(light));
+    if (!reference::is_zero(out.normal)) return out;
+    notes.add("a spot light without direction: left out");
+    return std::nullopt;
 }
 
 std::optional<Camera> read_gltf_camera(const GltfObject& camera, const Affine& place,

@@ -38,12 +38,43 @@ void note_unsupported(const GltfObject& primitive, const GltfObject& attributes,
     if (attributes.has("COLOR_0")) {
         notes.add("vertex colours are not supported: left out");
     }
-    if (attributes.has("JOINTS_0")) {
-        notes.add("skinning is not supported: the mesh is as it was bound");
+    if (attributes.has("JOINTS_0") && primitive.extension("KHR_draco_mesh_compression")) {
+        notes.add("skinning of a Draco mesh is not supported: it is as it was bound");
     }
-    if (primitive.length("targets") != 0) {
-        notes.add("morph targets are not supported: left out");
+}
+
+/// JOINTS_0 with WEIGHTS_0, JOINTS_1 with WEIGHTS_1 and so on.
+std::vector<GltfInfluences> read_influences(GltfDocument& document, const GltfObject& attributes,
+                                            std::uint64_t vertices) {
+    std::vector<GltfInfluences> out;
+    for (int set = 0;; ++set) {
+        auto joints = attribute(document, attributes, fmt::format("JOINTS_{}", set).c_str());
+        if (!joints) return out;
+        auto weights = attribute(document, attributes, fmt::format("WEIGHTS_{}", set).c_str());
+        if (!weights) throw attributes.error(fmt::format("WEIGHTS_{} is missing", set));
+        joints->expect_components(4);
+        weights->expect_components(4);
+        if (joints->count() != vertices || weights->count() != vertices || joints->is_float()) {
+            throw attributes.error(
+                fmt::format("JOINTS_{0} and WEIGHTS_{0}: expected {1} elements, "
+                            "as POSITION has, and whole numbers for joints",
+                            set, vertices));
+        }
+        out.push_back({*std::move(joints), *std::move(weights)});
     }
+}
+
+std::vector<GltfTarget> read_targets(GltfDocument& document, const GltfObject& primitive,
+                                     std::uint64_t vertices, bool quantised, Notes& notes) {
+    std::vector<GltfTarget> out;
+    for (const GltfObject& object : primitive.objects("targets")) {
+        out.push_back(
+            {attribute(document, object, "POSITION"), attribute(document, object, "NORMAL")});
+        const auto& [position, normal] = out.back();
+        if (position) check_attribute(*position, object, "POSITION", vertices, quantised, notes);
+        if (normal) check_attribute(*normal, object, "NORMAL", vertices, quantised, notes);
+    }
+    return out;
 }
 
 void check_corner_count(const GltfPrimitive& primitive, Notes& notes) {
@@ -93,6 +124,10 @@ std::optional<GltfPrimitive> read_primitive(GltfDocument& document, const GltfOb
     check_attribute(primitive->position, object, "POSITION", vertices, quantised, notes);
     if (primitive->normal) {
         check_attribute(*primitive->normal, object, "NORMAL", vertices, quantised, notes);
+    }
+    primitive->targets = read_targets(document, object, vertices, quantised, notes);
+    if (!object.extension("KHR_draco_mesh_compression")) {
+        primitive->influences = read_influences(document, *attributes, vertices);
     }
     check_corner_count(*primitive, notes);
     if (!primitive->position.has_data()) {

@@ -144,6 +144,14 @@ GltfNodes::GltfNodes(const GltfDocument& document, Notes& notes) {
     find_parents(nodes);
     check_circles(nodes);
     for (const std::uint64_t root : roots(document, notes)) place_below(root, nodes, notes);
+    number_in_placed_.assign(nodes.size(), kNoParent);
+    for (std::size_t i = 0; i < placed_.size(); ++i) number_in_placed_[placed_[i].index] = i;
+}
+
+const Affine* GltfNodes::place_of(std::uint64_t node) const {
+    const bool is_placed =
+        node < number_in_placed_.size() && number_in_placed_[node] < placed_.size();
+    return is_placed ? &placed_[number_in_placed_[node]].place : nullptr;
 }
 
 }  // namespace scotty::scenes

@@ -136,6 +136,14 @@ double GltfObject::number(const char* key, double standard) const {
     return found == nullptr ? standard : number_of(key, *found);
 }
 
+std::vector<double> GltfObject::numbers(const char* key) const {
+    std::vector<double> out;
+    if (const json* array = array_of(key)) {
+        for (const json& value : *array) out.push_back(number_of(key, value));
+    }
+    return out;
+}
+
 std::string GltfObject::text(const char* key, const std::string& standard) const {
     const json* found = find(key);
     if (found == nullptr) return standard;

@@ -42,6 +42,8 @@ class GltfObject {
     std::uint64_t required_whole(const char* key) const;
     std::vector<std::uint64_t> wholes(const char* key) const;
     double number(const char* key, double standard) const;
+    /// An array of any number of numbers; none where it is missing.
+    std::vector<double> numbers(const char* key) const;
     std::string text(const char* key, const std::string& standard) const;
     std::vector<std::string> texts(const char* key) const;
     bool flag(const char* key, bool standard) const;

@@ -40,6 +40,8 @@ class GltfNodes {
 
     /// Depth first, in the order of the file.
     const std::vector<Placed>& placed() const { return placed_; }
+    /// Where a node is; null where the scene does not show it, or there is none.
+    const Affine* place_of(std::uint64_t node) const;
 
  private:
     std::vector<std::uint64_t> roots(const GltfDocument& document, Notes& notes) const;
@@ -50,6 +52,12 @@ class GltfNodes {
     std::vector<std::vector<std::uint64_t>> children_;
     std::vector<std::uint64_t> parent_;
     std::vector<Placed> placed_;
+    std::vector<std::uint64_t> number_in_placed_;
 };
+
+/// The joints of a skin, each from the space of the mesh to the scene. Throws reference::Error
+/// (bad_input) where a joint is not in the scene or a matrix is missing.
+std::vector<Affine> read_gltf_skin(GltfDocument& document, const GltfObject& skin,
+                                   const GltfNodes& nodes);
 
 }  // namespace scotty::scenes

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <span>
 
 #include "scenes/mesh.h"
@@ -112,43 +111,17 @@ std::vector<std::uint32_t> number_vertices(const GltfPrimitive& primitive,
     return number_of;
 }
 
-void add_vertices(Scene& scene, const GltfPrimitive& primitive, const Affine& place,
-                  const std::vector<std::uint32_t>& number_of) {
-    const std::uint64_t vertices = number_of.size();
-    std::vector<float> positions(std::min(vertices, kBatch) * 3);
-    std::vector<float> normals(positions.size(), 0.0f);
-    for (std::uint64_t first = 0; first < vertices; first += kBatch) {
-        const std::uint64_t count = std::min(kBatch, vertices - first);
-        primitive.position.read(first, count, positions.data());
-        if (primitive.normal) primitive.normal->read(first, count, normals.data());
-        for (std::uint64_t i = 0; i < count; ++i) {
-            if (number_of[first + i] == reference::kNone) continue;
-            const float* p = &positions[i * 3];
-            const float* n = &normals[i * 3];
-            const Vec3 position = rounded(place.point({p[0], p[1], p[2]}));
-            if (!std::isfinite(position.x + position.y + position.z)) {
-                throw Error::bad_input(
-                    primitive.place,
-                    fmt::format("vertex {}: expected a finite position, found {} {} {}, placed at "
-                                "{} {} {}",
-                                first + i, p[0], p[1], p[2], position.x, position.y, position.z));
-            }
-            const bool has_normal = primitive.normal.has_value();
-            add_vertex(scene, position,
-                       has_normal ? rounded(place.normal({n[0], n[1], n[2]})) : Vec3(0.0f));
-        }
-    }
-}
-
 }  // namespace
 
-void add_gltf_primitive(Scene& scene, const GltfPrimitive& primitive, const Affine& place,
+void add_gltf_primitive(Scene& scene, const GltfPrimitive& primitive, const GltfPose& pose,
                         std::uint32_t material) {
     const std::size_t before = scene.triangles.size();
+    const bool is_skinned = !pose.joints.empty() && !primitive.influences.empty();
+    const Affine& place = is_skinned ? pose.joints.front() : pose.place;
     add_triangles(scene, primitive, place.determinant() < 0.0, material);
     const std::span added = std::span(scene.triangles).subspan(before);
     const auto number_of = number_vertices(primitive, added, scene.vertices.size());
-    add_vertices(scene, primitive, place, number_of);
+    add_gltf_vertices(scene, primitive, pose, number_of);
     for (auto& triangle : added) {
         for (std::uint32_t& vertex : triangle) vertex = number_of[vertex];
     }

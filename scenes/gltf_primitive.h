@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,25 @@
 
 namespace scotty::scenes {
 
+/// Four of the joints that move each vertex, and how much.
+struct GltfInfluences {
+    GltfAccessor joints;
+    GltfAccessor weights;
+};
+
+/// What a morph target of full weight adds to each vertex.
+struct GltfTarget {
+    std::optional<GltfAccessor> position;
+    std::optional<GltfAccessor> normal;
+};
+
+/// Where a mesh is and what shape it has there.
+struct GltfPose {
+    Affine place;
+    std::span<const Affine> joints;  ///< of its skin, from the mesh to the scene; none: no skin
+    std::vector<double> weights;     ///< of its morph targets; those that are missing are 0
+};
+
 /// A part of a mesh that has triangles; its accessors are checked against each other.
 struct GltfPrimitive {
     std::string place;  ///< for errors: "a.gltf: meshes[2] ('Cube'): primitives[0]"
@@ -19,6 +39,8 @@ struct GltfPrimitive {
     GltfAccessor position;
     std::optional<GltfAccessor> normal;
     std::optional<GltfAccessor> indices;
+    std::vector<GltfInfluences> influences = {};
+    std::vector<GltfTarget> targets = {};
 
     std::uint64_t corners() const { return indices ? indices->count() : position.count(); }
     /// As many as there can be: those of a strip that repeat a corner are left out.
@@ -34,7 +56,11 @@ std::vector<GltfPrimitive> read_gltf_mesh(GltfDocument& document, const GltfObje
 /// Throws reference::Error (bad_input) naming the primitive where an index is out of range or a
 /// position is not finite.
 void add_gltf_primitive(reference::Scene& scene, const GltfPrimitive& primitive,
-                        const Affine& place, std::uint32_t material);
+                        const GltfPose& pose, std::uint32_t material);
+
+/// Appends the vertices whose number is not kNone, posed (gltf_vertices.cpp).
+void add_gltf_vertices(reference::Scene& scene, const GltfPrimitive& primitive,
+                       const GltfPose& pose, const std::vector<std::uint32_t>& number_of);
 
 /// What the extension KHR_draco_mesh_compression of a primitive holds (gltf_draco.cpp): indices,
 /// POSITION and, if there, NORMAL.

@@ -26,13 +26,14 @@ class GltfLoader {
                    root.length("animations"));
         const GltfNodes nodes(document_, notes_);
         for (const auto& [index, place] : nodes.placed()) {
-            visit(root.at("nodes", index, root), place);
+            visit(root.at("nodes", index, root), place, nodes);
         }
         reserve();
-        for (const Instance& instance : instances_) add_instance(instance);
-        if (scene_.triangles.empty()) throw nothing_to_render();
+        for (const Instance& instance : instances_) add_triangles(instance);
+        if (scene_.triangles.empty()) {
+            throw root.error(notes_.explain("no triangles in the scene, nothing to render"));
+        }
         settle_emission(scene_, notes_);
-        light_if_dark(scene_, notes_);
         settle_camera(scene_, camera_, choice, notes_);
         notes_.write_to(scene_.warnings);
         return std::move(scene_);
@@ -41,15 +42,12 @@ class GltfLoader {
  private:
     struct Instance {
         std::uint64_t mesh;
-        Affine place;
+        GltfPose pose;
     };
 
-    void visit(const GltfObject& node, const Affine& place) {
+    void visit(const GltfObject& node, const Affine& place, const GltfNodes& nodes) {
         const GltfObject root = document_.root();
-        if (const auto mesh = node.whole("mesh")) {
-            instances_.push_back({*mesh, place});
-            primitives_of(*mesh, node);
-        }
+        if (const auto mesh = node.whole("mesh")) add_instance(*mesh, node, place, nodes);
         if (const auto light = node.extension("KHR_lights_punctual")) {
             const auto lights = root.extension("KHR_lights_punctual");
             if (!lights) throw light->error("the file has no lights");
@@ -64,11 +62,28 @@ class GltfLoader {
         }
     }
 
-    const std::vector<GltfPrimitive>& primitives_of(std::uint64_t mesh, const GltfObject& user) {
-        const auto known = meshes_.find(mesh);
-        if (known != meshes_.end()) return known->second;
+    void add_instance(std::uint64_t mesh, const GltfObject& node, const Affine& place,
+                      const GltfNodes& nodes) {
+        read_mesh(mesh, node);
+        GltfPose pose{place, {}, node.numbers("weights")};
+        if (pose.weights.empty()) {
+            pose.weights = document_.root().at("meshes", mesh, node).numbers("weights");
+        }
+        if (const auto skin = node.whole("skin")) {
+            auto known = skins_.find(*skin);
+            if (known == skins_.end()) {
+                const GltfObject object = document_.root().at("skins", *skin, node);
+                known = skins_.emplace(*skin, read_gltf_skin(document_, object, nodes)).first;
+            }
+            pose.joints = known->second;
+        }
+        instances_.push_back({mesh, std::move(pose)});
+    }
+
+    void read_mesh(std::uint64_t mesh, const GltfObject& user) {
+        if (meshes_.count(mesh) != 0) return;
         const GltfObject object = document_.root().at("meshes", mesh, user);
-        return meshes_.emplace(mesh, read_gltf_mesh(document_, object, notes_)).first->second;
+        meshes_.emplace(mesh, read_gltf_mesh(document_, object, notes_));
     }
 
     /// Makes room at once for what all instances have, so that nothing has to be copied later.
@@ -92,10 +107,10 @@ class GltfLoader {
         scene_.normals.reserve(vertices);
     }
 
-    void add_instance(const Instance& instance) {
+    void add_triangles(const Instance& instance) {
         for (const GltfPrimitive& primitive : meshes_.at(instance.mesh)) {
             const auto material = material_of(primitive);
-            if (material) add_gltf_primitive(scene_, primitive, instance.place, *material);
+            if (material) add_gltf_primitive(scene_, primitive, instance.pose, *material);
         }
     }
 
@@ -123,20 +138,13 @@ class GltfLoader {
     }
 
     /// Says what was left out, since that is the likely reason.
-    Error nothing_to_render() const {
-        std::vector<std::string> reasons;
-        notes_.write_to(reasons);
-        std::string what = "no triangles in the scene, nothing to render";
-        for (const std::string& reason : reasons) what += "; " + reason;
-        return Error::bad_input(document_.path(), what);
-    }
-
     Notes notes_;
     GltfDocument document_;
     Scene scene_;
     std::optional<reference::Camera> camera_;
     std::vector<Instance> instances_;
     std::map<std::uint64_t, std::vector<GltfPrimitive>> meshes_;
+    std::map<std::uint64_t, std::vector<Affine>> skins_;
     std::map<std::optional<std::uint64_t>, std::optional<std::uint32_t>> materials_;
 };
 

@@ -98,6 +98,15 @@ Light point_light(const Vec3& position, const Vec3& intensity) {
     return light;
 }
 
+Light spot_light(const Vec3& position, const Vec3& direction, const Vec3& intensity,
+                 const reference::SpotCone& cone) {
+    Light light = point_light(position, intensity);
+    light.kind = LightKind::spot;
+    light.normal = normalize_or(direction, Vec3(0.0f));
+    reference::set_spot_cone(light, cone);
+    return light;
+}
+
 Light directional_light(const Vec3& direction, const Vec3& irradiance) {
     Light light;
     light.kind = LightKind::directional;

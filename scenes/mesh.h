@@ -36,6 +36,9 @@ reference::Light parallelogram_light(const Vec3& corner, const Vec3& edge_x, con
 /// counter-clockwise.
 reference::Light triangle_light(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& radiance);
 reference::Light point_light(const Vec3& position, const Vec3& intensity);
+/// `direction`, of any length, is where the light shines to; zero makes a light of no direction.
+reference::Light spot_light(const Vec3& position, const Vec3& direction, const Vec3& intensity,
+                            const reference::SpotCone& cone);
 /// `direction`, of any length, is where the light shines to.
 reference::Light directional_light(const Vec3& direction, const Vec3& irradiance);
 reference::Light environment_light(const Vec3& radiance);

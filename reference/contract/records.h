@@ -100,22 +100,34 @@ enum class LightKind : std::uint32_t {
     point = 2,
     directional = 3,
     environment = 4,  ///< the same radiance from every direction
-    hemisphere = 5    ///< the same from the half around `normal`, black from the other
+    hemisphere = 5,   ///< the same from the half around `normal`, black from the other
+    spot = 6          ///< a point that shines into a cone around `normal`; see SpotCone
 };
 
 struct Light {
     LightKind kind = LightKind::point;
     Vec3 position{0.0f, 0.0f, 0.0f};  ///< corner of an area light, or the point
-    Vec3 edge_x{0.0f, 0.0f, 0.0f};
+    Vec3 edge_x{0.0f, 0.0f, 0.0f};    ///< of an area light; a spot light keeps its SpotCone here
     Vec3 edge_y{0.0f, 0.0f, 0.0f};
-    /// Unit: the front side of an area light (it emits there only); where a directional light
-    /// shines to; the middle of a hemisphere.
+    /// Unit: the front side of an area light (it emits there only); where a directional or spot
+    /// light shines to; the middle of a hemisphere.
     Vec3 normal{0.0f, 0.0f, 1.0f};
-    /// Area, environment: radiance, W/m^2/sr. Point: intensity, W/sr. Directional: irradiance on a
-    /// surface that faces it, W/m^2.
+    /// Area, environment: radiance, W/m^2/sr. Point: intensity, W/sr. Spot: the same in the middle
+    /// of the cone. Directional: irradiance on a surface that faces it, W/m^2.
     Vec3 radiance{0.0f, 0.0f, 0.0f};
     float area = 0.0f;  ///< m^2, area lights
 };
+
+/// Cosines of the angles from a spot light's direction up to which it has its full intensity
+/// (inner) and from which on it is dark (outer). -1 <= outer <= inner <= 1, outer < 1.
+struct SpotCone {
+    float inner;
+    float outer;
+};
+SCOTTY_HD SpotCone spot_cone(const Light& light) { return {light.edge_x.x, light.edge_x.y}; }
+SCOTTY_HD void set_spot_cone(Light& light, const SpotCone& cone) {
+    light.edge_x = Vec3(cone.inner, cone.outer, 0.0f);
+}
 
 /// Pinhole camera; right, up, forward are orthonormal and right-handed as seen: x right, y up.
 struct Camera {

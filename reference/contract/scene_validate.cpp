@@ -107,16 +107,26 @@ void check_material(const Material& material, std::size_t i, const Checker& chec
     }
 }
 
+void check_cone(const SpotCone& cone, std::size_t i, const Checker& check) {
+    check.in_range(cone.inner, -1.0f, 1.0f, "light", i, "cosine of the inner cone");
+    if (cone.outer >= -1.0f && cone.outer <= cone.inner && cone.outer < 1.0f) return;
+    check.fail(fmt::format("light {}", i),
+               fmt::format("cosine of the outer cone: expected -1 to {}, below 1, found {}",
+                           cone.inner, cone.outer));
+}
+
 void check_light(const Light& light, std::size_t i, const Checker& check) {
-    if (light.kind > LightKind::hemisphere) {
-        check.fail(fmt::format("light {}", i), fmt::format("kind: expected 0 to 5, found {}",
+    if (light.kind > LightKind::spot) {
+        check.fail(fmt::format("light {}", i), fmt::format("kind: expected 0 to 6, found {}",
                                                            static_cast<std::uint32_t>(light.kind)));
     }
     check.in_range(light.radiance, 0.0f, kMaxRadiance, "light", i, "radiance");
     check.coordinate(light.position, "light", i, "position");
-    if (light.kind == LightKind::directional || light.kind == LightKind::hemisphere) {
+    if (light.kind == LightKind::directional || light.kind == LightKind::hemisphere ||
+        light.kind == LightKind::spot) {
         check.unit(light.normal, "light", i, "normal");
     }
+    if (light.kind == LightKind::spot) check_cone(spot_cone(light), i, check);
     if (light.kind != LightKind::parallelogram && light.kind != LightKind::triangle) return;
     check.coordinate(light.edge_x, "light", i, "edge_x");
     check.coordinate(light.edge_y, "light", i, "edge_y");

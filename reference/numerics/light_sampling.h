@@ -59,17 +59,32 @@ SCOTTY_HD Vec3 distant_radiance(const SceneView& scene, const Vec3& direction) {
                                                       : scene.environment;
 }
 
+/// Share of a spot light's intensity in a direction whose cosine to the light's is `cosine`: the
+/// square of a ramp from the outer cosine to the inner one (KHR_lights_punctual, "Inner and outer
+/// cone angles").
+SCOTTY_HD float spot_falloff(const SpotCone& cone, float cosine) {
+    if (!(cosine > cone.outer)) return 0.0f;
+    if (cosine >= cone.inner) return 1.0f;
+    const float ramp = (cosine - cone.outer) / (cone.inner - cone.outer);
+    return ramp * ramp;
+}
+
 /// Samples one light from a surface. Black (irradiance zero) where the light cannot reach it.
 SCOTTY_HD LightSample sample_light(const Light& light, const Surface& surface, float u, float v) {
     if (light.kind == LightKind::parallelogram || light.kind == LightKind::triangle) {
         return sample_area_light(light, surface.position, u, v);
     }
-    if (light.kind == LightKind::point) {
+    if (light.kind == LightKind::point || light.kind == LightKind::spot) {
         const Vec3 to_light = light.position - surface.position;
         const float distance2 = dot(to_light, to_light);
         if (!(distance2 > 0.0f)) return no_light();
-        return {normalize_or(to_light, surface.shading_normal), sqrtf(distance2),
-                light.radiance / distance2};
+        const Vec3 direction = normalize_or(to_light, surface.shading_normal);
+        if (light.kind == LightKind::point) {
+            return {direction, sqrtf(distance2), light.radiance / distance2};
+        }
+        const float falloff = spot_falloff(spot_cone(light), -dot(direction, light.normal));
+        if (!(falloff > 0.0f)) return no_light();
+        return {direction, sqrtf(distance2), light.radiance * (falloff / distance2)};
     }
     if (light.kind == LightKind::directional) {
         return {light.normal * -1.0f, kInfinity, light.radiance};

@@ -70,6 +70,17 @@ Interface at_interface(const Double3& incoming, const Double3& normal, double n_
     return {0.5 * (s * s + p * p), glm::normalize(n_here / n_beyond * along - cos_beyond * normal)};
 }
 
+/// Share of its intensity that a spot light sends against `direction`, which points to it: one in
+/// the inner cone, none beyond the outer, between them the square of a ramp in the cosine.
+double share_of_spot(const Light& light, const Double3& direction) {
+    const auto [inner, outer] = spot_cone(light);
+    const double cosine = -glm::dot(direction, exactly(light.normal));
+    if (cosine <= outer) return 0.0;
+    if (cosine >= inner) return 1.0;
+    const double ramp = (cosine - outer) / (double{inner} - outer);
+    return ramp * ramp;
+}
+
 /// Where a line meets a parallelogram or triangle light, in front of it; infinity where nowhere.
 double distance_to_light(const Light& light, const Double3& origin, const Double3& direction) {
     constexpr double kNowhere = std::numeric_limits<double>::infinity();
@@ -293,7 +304,8 @@ Double3 PathEstimator::light_by_lights(const Vertex& vertex, PathNumbers& number
             continue;
         }
         if (is_sky(light)) continue;
-        const bool is_point = light.kind == LightKind::point;
+        const bool is_spot = light.kind == LightKind::spot;
+        const bool is_point = is_spot || light.kind == LightKind::point;
         const Double3 to_light =
             is_point ? exactly(light.position) - vertex.position : -exactly(light.normal);
         const double distance2 = glm::dot(to_light, to_light);
@@ -301,10 +313,13 @@ Double3 PathEstimator::light_by_lights(const Vertex& vertex, PathNumbers& number
         const Double3 direction = to_light / std::sqrt(distance2);
         const double cosine = glm::dot(direction, vertex.shading_normal);
         if (!(cosine > 0.0) || !(glm::dot(direction, vertex.geometric_normal) > 0.0)) continue;
+        const double share = is_spot ? share_of_spot(light, direction) : 1.0;
+        if (!(share > 0.0)) continue;
         const bool is_lit = is_point ? is_free(vertex, exactly(light.position))
                                      : is_free_towards(vertex, direction);
         if (!is_lit) continue;
-        arriving += exactly(light.radiance) * (cosine / kOnePi / (is_point ? distance2 : 1.0));
+        arriving +=
+            exactly(light.radiance) * (share * cosine / kOnePi / (is_point ? distance2 : 1.0));
     }
     return exactly(vertex.material->reflectance) * arriving;
 }

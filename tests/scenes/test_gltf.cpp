@@ -127,6 +127,19 @@ TEST_CASE("gltf: a light's range is noted, its values are checked", "[scenes][gl
     CHECK(warns(with({{"type", "point"}, {"range", 0.5}}), "range"));
     CHECK_THROWS_WITH(with({{"type", "point"}, {"intensity", -1}}),
                       Contains("lights[0]") && Contains("negative"));
+    const Scene spot = with({{"type", "spot"},
+                             {"intensity", 5},
+                             {"spot", {{"innerConeAngle", 0.3}, {"outerConeAngle", 0.6}}}});
+    REQUIRE(spot.lights.size() == 1);
+    CHECK(spot.lights[0].kind == LightKind::spot);
+    CHECK(spot.lights[0].normal == Vec3(0, 0, -1));
+    CHECK(reference::spot_cone(spot.lights[0]).inner == Approx(std::cos(0.3)));
+    CHECK(reference::spot_cone(spot.lights[0]).outer == Approx(std::cos(0.6)));
+    const Scene standard = with({{"type", "spot"}});
+    CHECK(reference::spot_cone(standard.lights[0]).inner == 1.0f);
+    CHECK(reference::spot_cone(standard.lights[0]).outer == Approx(std::sqrt(0.5)));
+    CHECK_THROWS_WITH(with({{"type", "spot"}, {"spot", {{"innerConeAngle", 1.0}}}}),
+                      Contains("lights[0]") && Contains("innerConeAngle"));
     CHECK_THROWS_WITH(with({{"type", "area"}}), Contains("lights[0]") && Contains("'area'"));
 }
 

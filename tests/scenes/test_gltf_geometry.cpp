@@ -203,14 +203,72 @@ TEST_CASE("gltf: one mesh at several nodes", "[scenes][gltf]") {
     CHECK(scene.materials.size() == 1);
 }
 
-TEST_CASE("gltf: what skins, morphs and colours there are is said", "[scenes][gltf]") {
+TEST_CASE("gltf: morph targets, by the weights of the mesh or the node", "[scenes][gltf]") {
+    GltfText text = square_gltf();
+    const std::size_t moves =
+        text.accessor("VEC3", std::vector<float>{4, 0, 0, 0, 4, 0, 0, 0, 4, 0, 0, 0});
+    const std::size_t others = text.accessor("VEC3", std::vector<float>(12, 1.0f));
+    json& mesh = text.root["meshes"][0];
+    mesh["primitives"][0]["targets"] = {{{"POSITION", moves}}, {{"POSITION", others}}};
+    CHECK(tests::load_gltf(text).vertices[0] == Vec3(-1, -1, 0));
+    mesh["weights"] = {0.5, 0};
+    CHECK(tests::load_gltf(text).vertices[0] == Vec3(1, -1, 0));
+    CHECK(tests::load_gltf(text).vertices[2] == Vec3(1, 1, 2));
+    text.root["nodes"][0]["weights"] = {0.25, 2};
+    CHECK(tests::load_gltf(text).vertices[1] == Vec3(3, 2, 2));
+    mesh["primitives"][0]["targets"][0]["POSITION"] = 1;
+    CHECK_THROWS_WITH(tests::load_gltf(text), Contains("accessors[1]"));
+}
+
+TEST_CASE("gltf: a skin moves vertices with its joints, not with the node", "[scenes][gltf]") {
+    GltfText text = square_gltf({{"translation", {100, 0, 0}}, {"skin", 0}});
+    const std::size_t joints = text.accessor(
+        "VEC4", std::vector<std::uint8_t>{0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0});
+    const std::size_t weights = text.accessor(
+        "VEC4", std::vector<float>{1, 0, 0, 0, 0.5f, 0.5f, 0, 0, 1, 0, 0, 0, 0.25f, 0.25f, 0, 0});
+    json& primitive = text.root["meshes"][0]["primitives"][0];
+    primitive["attributes"]["JOINTS_0"] = joints;
+    primitive["attributes"]["WEIGHTS_0"] = weights;
+    text.root["skins"] = {{{"joints", {1, 2}}}};
+    text.node({{"translation", {0, 0, 2}}});
+    text.node({{"translation", {0, 4, 0}}, {"scale", {2, 2, 2}}});
+    Scene scene = tests::load_gltf(text);
+    CHECK_FALSE(warns(scene, "skin"));
+    CHECK(scene.vertices[0] == Vec3(-1, -1, 2));  // joint 0
+    CHECK(scene.vertices[2] == Vec3(2, 6, 0));    // joint 1
+    // The mean of (1, -1, 2) and (2, 2, 0), and weights whose sum is one half.
+    CHECK(scene.vertices[1] == Vec3(1.5f, 0.5f, 1));
+    CHECK(scene.vertices[3] == Vec3(-1.5f, 3.5f, 1));
+    // Inverse bind matrices come first: these move by -2 in z.
+    std::vector<float> matrix(32, 0.0f);
+    for (std::size_t i = 0; i < 32; i += 16) {
+        for (std::size_t k = 0; k < 4; ++k) matrix[i + k * 5] = 1.0f;
+        matrix[i + 14] = -2.0f;
+    }
+    std::string bytes = tests::bytes_of(matrix);
+    text.append("accessors", {{"bufferView", text.view(bytes)},
+                              {"componentType", 5126},
+                              {"count", 2},
+                              {"type", "MAT4"}});
+    text.root["skins"][0]["inverseBindMatrices"] = text.root["accessors"].size() - 1;
+    CHECK(tests::load_gltf(text).vertices[0] == Vec3(-1, -1, 0));
+    CHECK(tests::load_gltf(text).vertices[2] == Vec3(2, 6, -4));
+
+    text.root["skins"][0]["joints"] = {1};
+    CHECK_THROWS_WITH(tests::load_gltf(text), Contains("vertex 1: joint 1 out of range"));
+    text.root["skins"][0]["joints"] = {1, 9};
+    CHECK_THROWS_WITH(tests::load_gltf(text), Contains("skins[0]") && Contains("node 9"));
+    text.root["nodes"][0].erase("skin");
+    CHECK(tests::load_gltf(text).vertices[0] == Vec3(99, -1, 0));
+}
+
+TEST_CASE("gltf: what colours and animations there are is said", "[scenes][gltf]") {
     GltfText text = square_gltf();
     json& primitive = text.root["meshes"][0]["primitives"][0];
     primitive["attributes"]["COLOR_0"] = 0;
-    primitive["targets"] = {{{"POSITION", 0}}};
     text.root["animations"] = {json::object()};
     const Scene scene = tests::load_gltf(text);
-    for (const char* what : {"vertex colours", "morph targets", "animation"}) {
+    for (const char* what : {"vertex colours", "animation"}) {
         CHECK(warns(scene, what));
     }
 }

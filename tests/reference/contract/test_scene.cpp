@@ -162,8 +162,22 @@ TEST_CASE("scene: light values out of range name the light and the field", "[sce
         check_rejected(scene, "light 1", "normal");
     }
     SECTION("unknown kind") {
-        light.kind = static_cast<LightKind>(6);
+        light.kind = static_cast<LightKind>(7);
         check_rejected(scene, "light 1", "kind");
+    }
+    SECTION("a spot light without direction, or whose cones are not one in the other") {
+        light.kind = LightKind::spot;
+        set_spot_cone(light, {0.9f, 0.7f});
+        CHECK_NOTHROW(validate_and_repair(scene));
+        for (const SpotCone& cone :
+             {SpotCone{0.7f, 0.9f}, SpotCone{1.5f, 0.0f}, SpotCone{0.5f, -1.5f},
+              SpotCone{1.0f, 1.0f}, SpotCone{std::nanf(""), 0.0f}, SpotCone{0.0f, std::nanf("")}}) {
+            set_spot_cone(light, cone);
+            check_rejected(scene, "light 1", "cone");
+        }
+        set_spot_cone(light, {0.9f, 0.7f});
+        light.normal = Vec3(0, 0, 0);
+        check_rejected(scene, "light 1", "normal");
     }
     SECTION("half the area, and a triangle, is right") {
         light.kind = LightKind::triangle;

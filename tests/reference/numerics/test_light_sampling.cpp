@@ -145,6 +145,56 @@ TEST_CASE("direct light: a point light falls off with the square of the distance
     }
 }
 
+TEST_CASE("direct light: a spot light sends the closed form's flux through a plane",
+          "[reference][light]") {
+    Light light;
+    light.kind = LightKind::spot;
+    light.position = Vec3(0, 2, 0);
+    light.normal = kDown;
+    light.radiance = Vec3(3.0f);
+    for (const SpotCone& cone : {SpotCone{0.9f, 0.6f}, SpotCone{1.0f, 0.5f}, SpotCone{0.8f, 0.8f},
+                                 SpotCone{0.999f, 0.3f}}) {
+        set_spot_cone(light, cone);
+        double flux = 0.0;
+        const double edge = 2.0 * std::tan(std::acos(double{cone.outer}));
+        constexpr int kRings = 20000;
+        for (int i = 0; i < kRings; ++i) {
+            const double radius = (i + 0.5) / kRings * edge;
+            const Vec3 at(static_cast<float>(radius), 0, 0);
+            const LightSample s = sample_light(light, surface_of(at, kUpward), 0.3f, 0.6f);
+            const double irradiance = s.irradiance.x * std::max(0.0f, dot(s.direction, kUpward));
+            flux += irradiance * 2.0 * M_PI * radius * edge / kRings;
+        }
+        // I times the cone's solid angle, weighted: full in the inner cone, and between the two the
+        // mean of a squared ramp, 1/3.
+        const double weight = (1.0 - cone.inner) + (double{cone.inner} - double{cone.outer}) / 3.0;
+        INFO("cone " << cone.inner << " " << cone.outer);
+        CHECK(flux == Approx(3.0 * 2.0 * M_PI * weight).epsilon(1e-3));
+    }
+}
+
+TEST_CASE("direct light: a spot light is a point light inside its inner cone and black outside",
+          "[reference][light]") {
+    Light light;
+    light.kind = LightKind::spot;
+    light.position = Vec3(0, 1, 0);
+    light.normal = kDown;
+    light.radiance = Vec3(8.0f);
+    set_spot_cone(light, {0.8f, 0.5f});
+    Light point = light;
+    point.kind = LightKind::point;
+    const auto sampled = [](const Light& from, float x) {
+        return sample_light(from, surface_of(Vec3(x, 0, 0), kUpward), 0.3f, 0.6f);
+    };
+    CHECK(sampled(light, 0.0f).irradiance == sampled(point, 0.0f).irradiance);
+    CHECK(sampled(light, 0.7f).irradiance == sampled(point, 0.7f).irradiance);
+    CHECK(sampled(light, 1.8f).irradiance == Vec3(0.0f));
+    CHECK(sampled(light, -1.0f).irradiance.x < sampled(point, -1.0f).irradiance.x);
+    CHECK(sampled(light, -1.0f).irradiance.x > 0.0f);
+    light.normal = kUpward;
+    CHECK(sampled(light, 0.0f).irradiance == Vec3(0.0f));
+}
+
 TEST_CASE("direct light: a directional light comes from infinity at full strength",
           "[reference][light]") {
     Light light;

@@ -125,6 +125,27 @@ TEST_CASE("path tracer: a closed box that glows evenly has the closed form's rad
     }
 }
 
+TEST_CASE("path tracer: a patch under a spot light gets its share by the angle",
+          "[reference][path-tracer]") {
+    Scene wall = lit_wall();
+    Light spot;
+    spot.kind = LightKind::spot;
+    spot.position = Vec3(0, 0, 1.5f);
+    spot.radiance = Vec3(4.0f);
+    set_spot_cone(spot, {0.9f, 0.5f});
+    PipelineParameters p = picture(2, 2, 4);
+    p.bounces = 0;
+    for (const float cosine : {1.0f, 0.95f, 0.7f, 0.55f, 0.4f, -1.0f}) {
+        const float sine = std::sqrt(1.0f - cosine * cosine);
+        spot.normal = Vec3(sine, 0.0f, -cosine);
+        wall.lights = {spot};
+        const double ramp = std::clamp((cosine - 0.5) / (0.9 - 0.5), 0.0, 1.0);
+        const double expected = 0.5 / 3.141592653589793 * 4.0 * ramp * ramp / 2.25;
+        INFO("cosine " << cosine);
+        CHECK(trace_paths(wall, p).mean(0)[1] == Approx(expected).margin(1e-3 * expected + 1e-9));
+    }
+}
+
 TEST_CASE("path tracer: a patch under a square lamp gets the form factor's light",
           "[reference][path-tracer]") {
     const Scene wall = lit_wall();
