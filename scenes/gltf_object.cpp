@@ -14,7 +14,7 @@ namespace {
 constexpr double kLargestWhole = 281474976710656.0;  // 2^48: sums and products with strides fit
 
 /// A value as the file has it, shortened, for messages.
-std::string shown(const json& value) {
+std::string json_text(const json& value) {
     std::string text = value.dump(-1, ' ', true, json::error_handler_t::replace);
     if (text.size() > 40) text = text.substr(0, 37) + "...";
     return text;
@@ -26,7 +26,7 @@ GltfObject::GltfObject(const json& value, const std::string& place) : value_(&va
     if (!value.is_object()) {
         throw Error::bad_input(
             place,
-            fmt::format("not glTF as specified: expected an object, found {}", shown(value)));
+            fmt::format("not glTF as specified: expected an object, found {}", json_text(value)));
     }
     const auto name = value.find("name");
     const bool named =
@@ -36,7 +36,7 @@ GltfObject::GltfObject(const json& value, const std::string& place) : value_(&va
 
 Error GltfObject::expected(const char* key, const char* what, const json& found) const {
     return error(
-        fmt::format("not glTF as specified: {}: expected {}, found {}", key, what, shown(found)));
+        fmt::format("not glTF as specified: {}: expected {}, found {}", key, what, json_text(found)));
 }
 
 Error GltfObject::wrong_length(const char* key, std::size_t wanted, std::size_t found) const {

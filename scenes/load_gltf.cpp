@@ -137,7 +137,6 @@ class GltfLoader {
         return index;
     }
 
-    /// Says what was left out, since that is the likely reason.
     Notes notes_;
     GltfDocument document_;
     Scene scene_;

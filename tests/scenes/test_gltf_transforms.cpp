@@ -87,7 +87,7 @@ GltfText triangles_with_normals(const std::vector<Point>& points, const json& no
     return text;
 }
 
-void check_same(const Scene& scene, const Scene& expected) {
+void check_same_triangles(const Scene& scene, const Scene& expected) {
     REQUIRE(scene.vertices.size() == expected.vertices.size());
     for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
         CHECK(reference::dot(tests::front_of(scene, i), tests::front_of(expected, i)) ==
@@ -135,7 +135,7 @@ TEST_CASE("gltf: nodes below each other, turned, stretched and mirrored, place w
                 std::swap(expected.vertices[i + 1], expected.vertices[i + 2]);
             }
         }
-        check_same(scene, expected);
+        check_same_triangles(scene, expected);
     }
 }
 
@@ -158,7 +158,7 @@ TEST_CASE("gltf: a matrix places as its parts do", "[scenes][gltf]") {
         for (std::size_t i = 0; i < kTriangles * 3; ++i) {
             points.push_back(random_point(random, -2.0, 2.0));
         }
-        check_same(
+        check_same_triangles(
             files.load("a.gltf", triangles_with_normals(points, {{"matrix", matrix}}).gltf()),
             files.load("b.gltf", triangles_with_normals(points, node_of(trs)).gltf()));
     }
