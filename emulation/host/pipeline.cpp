@@ -18,6 +18,7 @@
 #include "emulation/kernels/scene_rays.h"
 #include "reference/base/assert.h"
 #include "reference/base/memory.h"
+#include "reference/contract/batch_plan.h"
 
 namespace scotty::emulation {
 
@@ -98,7 +99,6 @@ class Pipeline::State {
     Device device_;
     LaunchLog log_;
     Traversal traversal_;
-    bool several_batches_ = false;
 
     DeviceBuffer<Ray> rays_{device_, "rays"}, shadow_rays_{device_, "shadow rays"};
     DeviceBuffer<Vec3> throughput_{device_, "throughput"}, radiance_{device_, "radiance"};
@@ -111,12 +111,6 @@ class Pipeline::State {
 
 reference::Image Pipeline::State::render() {
     const std::uint32_t pixels = parameters_.image_width * parameters_.image_height;
-    const std::uint32_t spp = parameters_.spp;
-    const std::uint32_t pass_samples = reference::samples_of_pass(parameters_);
-    const std::uint32_t samples = std::min(pass_samples, parameters_.batch_rays);
-    const std::uint32_t pixels_at_once =
-        std::max(1u, std::min(pixels, parameters_.batch_rays / samples));
-    several_batches_ = pixels_at_once < pixels || samples < spp;
     reference::require_memory(  // as the device has it, filtered, and as it is handed out
         std::uint64_t{3} * sizeof(Vec3) * pixels,
         fmt::format("the image of {}x{} pixels", parameters_.image_width, parameters_.image_height),
@@ -124,18 +118,10 @@ reference::Image Pipeline::State::render() {
     image_.resize(pixels);
     image_.fill(Vec3(0.0f, 0.0f, 0.0f));
 
+    const reference::BatchPlan plan(parameters_);
     StagePlace place;
-    place.several_batches = several_batches_;
-    for (std::uint32_t pass = 0; pass < spp; pass += pass_samples) {
-        const std::uint32_t pass_end = std::min(spp, pass + pass_samples);
-        for (std::uint32_t pixel = 0; pixel < pixels; pixel += pixels_at_once) {
-            for (std::uint32_t sample = pass; sample < pass_end; sample += samples) {
-                render_batch(place, {pixel, std::min(pixels_at_once, pixels - pixel), sample,
-                                     std::min(samples, pass_end - sample)});
-                ++place.batch;
-            }
-        }
-    }
+    place.several_batches = plan.size() > 1;
+    for (; place.batch < plan.size(); ++place.batch) render_batch(place, plan[place.batch]);
     if (parameters_.filter != Filter::none && parameters_.spp < parameters_.filter_threshold) {
         launch_filter();
     }

@@ -33,15 +33,10 @@ struct PathBuffers {
     }
 };
 
-BatchView batch_view(const ReplayStage& run) {
-    const reference::BatchExtent batch = batch_of(run.parameters, run.stage);
-    return {batch.first_pixel, batch.pixels, batch.first_sample, batch.samples};
-}
-
 }  // namespace
 
 void replay_primary_rays(ReplayStage& run) {
-    const BatchView batch = batch_view(run);
+    const BatchView batch = batch_of(run.parameters, run.stage);
     const std::size_t n = std::size_t{batch.pixels} * batch.samples;
     PathBuffers paths{std::vector<Ray>(n),           std::vector<Vec3>(n),
                       std::vector<Vec3>(n),          std::vector<Vec3>(n),
@@ -124,7 +119,7 @@ void replay_scene_rays(ReplayStage& run) {
 }
 
 void replay_reconstruct_image(ReplayStage& run) {
-    const BatchView batch = batch_view(run);
+    const BatchView batch = batch_of(run.parameters, run.stage);
     const auto radiance =
         run.buffers.input<Vec3>("radiance", std::size_t{batch.pixels} * batch.samples);
     std::vector<Vec3> image = run.buffers.copy<Vec3>(

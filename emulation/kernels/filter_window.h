@@ -3,16 +3,10 @@
 
 #include <cstdint>
 
+#include "emulation/kernels/views.h"
 #include "reference/base/vec3.h"
 
 namespace scotty::emulation {
-
-struct FilterView {
-    std::uint32_t width;
-    std::uint32_t height;
-    const reference::Vec3* image;
-    reference::Vec3* filtered;
-};
 
 /// The pixel at an offset; beyond an edge, the nearest pixel of the image.
 inline reference::Vec3 pixel_at(const FilterView& view, std::uint32_t pixel, int dx, int dy) {

@@ -6,14 +6,6 @@
 
 namespace scotty::emulation {
 
-/// Pixels [first_pixel, ...) and samples [first_sample, first_sample + samples) of a batch.
-struct BatchView {
-    std::uint32_t first_pixel;
-    std::uint32_t pixels;
-    std::uint32_t first_sample;
-    std::uint32_t samples;
-};
-
 inline void primary_rays(std::uint32_t pixel_in_batch, const BatchView& batch,
                          const reference::Camera& camera,
                          const reference::PathParameters& parameters, const PathView& paths) {

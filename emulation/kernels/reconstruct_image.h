@@ -1,7 +1,6 @@
 /// Kernel: one thread per pixel adds up its paths' radiance, in sample order.
 #pragma once
 
-#include "emulation/kernels/primary_rays.h"
 #include "emulation/kernels/views.h"
 
 namespace scotty::emulation {

@@ -5,26 +5,19 @@
 
 #include "reference/contract/pipeline_parameters.h"
 #include "reference/contract/records.h"
+#include "reference/contract/views.h"
 #include "reference/contract/wide_bvh.h"
 
 namespace scotty::emulation {
+
+using reference::BatchView;
+using reference::FilterView;
+using reference::PathView;
 
 /// A ray whose minimum is this has its any-hit answer: every entry distance is greater.
 constexpr float kDone = -1.0f;
 /// No hit, in packed hit mode: greater than every (t, primitive).
 constexpr std::uint64_t kNoPackedHit = ~std::uint64_t{0};
-
-/// State of every path in flight, by ray id.
-struct PathView {
-    reference::Ray* rays;
-    reference::Vec3* throughput;
-    reference::Vec3* radiance;
-    reference::Vec3* potential;
-    std::uint32_t* pixel;
-    std::uint32_t* sample;
-    std::uint32_t* depth;
-    std::uint32_t* flags;
-};
 
 /// What a traversal gathers, by ray id.
 struct HitView {

@@ -16,6 +16,7 @@
 #include "gpu/kernels/resolve_light.h"
 #include "gpu/kernels/scene_rays.h"
 #include "reference/base/assert.h"
+#include "reference/contract/batch_plan.h"
 
 namespace SCOTTY_DEVICE_NAMESPACE {
 
@@ -147,27 +148,14 @@ reference::Image DevicePipeline::render() {
 
 void DevicePipeline::render_in_batches() {
     const std::uint32_t pixels = parameters_.image_width * parameters_.image_height;
-    const std::uint32_t spp = parameters_.spp;
-    const std::uint32_t pass_samples = reference::samples_of_pass(parameters_);
-    const std::uint32_t samples = std::min(pass_samples, parameters_.batch_rays);
-    const std::uint32_t pixels_at_once =
-        std::max(1u, std::min(pixels, parameters_.batch_rays / samples));
+    const reference::BatchPlan plan(parameters_);
     StagePlace place;
-    place.several_batches = pixels_at_once < pixels || samples < spp;
+    place.several_batches = plan.size() > 1;
     paths_.image.resize(pixels, "the image");
     // Observers see all of it after every batch.
     check(cudaMemsetAsync(paths_.image.data(), 0, pixels * sizeof(Vec3), stream_.get()),
           "clearing the image");
-    for (std::uint32_t pass = 0; pass < spp; pass += pass_samples) {
-        const std::uint32_t pass_end = std::min(spp, pass + pass_samples);
-        for (std::uint32_t pixel = 0; pixel < pixels; pixel += pixels_at_once) {
-            for (std::uint32_t sample = pass; sample < pass_end; sample += samples) {
-                render_batch(place, {pixel, std::min(pixels_at_once, pixels - pixel), sample,
-                                     std::min(samples, pass_end - sample)});
-                ++place.batch;
-            }
-        }
-    }
+    for (; place.batch < plan.size(); ++place.batch) render_batch(place, plan[place.batch]);
     if (parameters_.filter != Filter::none && parameters_.spp < parameters_.filter_threshold) {
         launch_filter();
     }

@@ -125,10 +125,6 @@ class StageRun {
         }
         return faults_;
     }
-    BatchView batch() const {
-        const reference::BatchExtent extent = batch_of(parameters_, stage_);
-        return {extent.first_pixel, extent.pixels, extent.first_sample, extent.samples};
-    }
     Array<Hit> path_hits(std::size_t rays) {
         return upload(hits_of_scene(buffers_, "path_hits", rays, scene_.view().triangle_count),
                       "path_hits");
@@ -196,7 +192,7 @@ std::vector<reference::OwnedBuffer> StageRun::run() {
 }
 
 void StageRun::primary() {
-    const BatchView view = batch();
+    const BatchView view = batch_of(parameters_, stage_);
     const std::size_t n = std::size_t{view.pixels} * view.samples;
     const auto rays = empty<Ray>(n, "rays");
     const auto throughput = empty<Vec3>(n, "throughput");
@@ -423,7 +419,7 @@ void StageRun::scatter() {
 }
 
 void StageRun::reconstruct() {
-    const BatchView view = batch();
+    const BatchView view = batch_of(parameters_, stage_);
     const auto radiance = input<Vec3>("radiance", std::size_t{view.pixels} * view.samples);
     const auto image =
         input<Vec3>("image", std::size_t{parameters_.image_width} * parameters_.image_height);

@@ -7,8 +7,13 @@
 #include "gpu/kernels/subtree_nodes.h"
 #include "reference/contract/pipeline_parameters.h"
 #include "reference/contract/records.h"
+#include "reference/contract/views.h"
 
 namespace SCOTTY_DEVICE_NAMESPACE {
+
+using reference::BatchView;
+using reference::FilterView;
+using reference::PathView;
 
 constexpr float kDone = -1.0f;  ///< minimum of a ray with its any-hit answer
 constexpr std::uint64_t kNoPackedHit = ~std::uint64_t{0};
@@ -23,24 +28,6 @@ struct BvhView {
     /// From inner node `first_subtree` on; null: none.
     const SubtreeNode<Width>* subtrees = nullptr;
     std::uint32_t first_subtree = 0;
-};
-
-struct PathView {
-    reference::Ray* rays;
-    reference::Vec3* throughput;
-    reference::Vec3* radiance;
-    reference::Vec3* potential;
-    std::uint32_t* pixel;
-    std::uint32_t* sample;
-    std::uint32_t* depth;
-    std::uint32_t* flags;
-};
-
-struct BatchView {
-    std::uint32_t first_pixel;
-    std::uint32_t pixels;
-    std::uint32_t first_sample;
-    std::uint32_t samples;
 };
 
 /// What went wrong on the device, read back once per traversal.
@@ -92,13 +79,6 @@ struct LevelView {
     std::uint64_t* scan_tiles;
     FaultView* faults;
     RayTicket* ray_ticket = nullptr;  ///< of intersect_subtrees, which leaves it as it was: zero
-};
-
-struct FilterView {
-    std::uint32_t width;
-    std::uint32_t height;
-    const reference::Vec3* image;
-    reference::Vec3* filtered;
 };
 
 }  // namespace SCOTTY_DEVICE_NAMESPACE

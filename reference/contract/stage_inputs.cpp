@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "reference/contract/batch_plan.h"
+
 namespace scotty::reference {
 
 namespace {
@@ -159,29 +161,9 @@ std::span<const Hit> hits_of_scene(const StageBuffers& buffers, const char* name
     return hits;
 }
 
-std::optional<BatchExtent> batch_extent(const PipelineParameters& p, std::uint64_t batch) {
-    const std::uint32_t pixels = p.image_width * p.image_height;
-    const std::uint32_t pass_samples = samples_of_pass(p);
-    const std::uint32_t samples = std::min(pass_samples, p.batch_rays);
-    const std::uint32_t at_once = std::max(1u, std::min(pixels, p.batch_rays / samples));
-    const auto rounds_of = [&](std::uint64_t of_pass) { return (of_pass + samples - 1) / samples; };
-    const std::uint64_t bands = (pixels + std::uint64_t{at_once} - 1) / at_once;
-    const std::uint64_t batches_of_pass = bands * rounds_of(pass_samples);
-    const std::uint64_t begin = batch / batches_of_pass * pass_samples;
-    if (begin >= p.spp) return std::nullopt;
-    const std::uint64_t end = std::min<std::uint64_t>(p.spp, begin + pass_samples);
-    const std::uint64_t rounds = rounds_of(end - begin);  // the last pass may have fewer
-    const std::uint64_t in_pass = batch % batches_of_pass;
-    const std::uint64_t first = in_pass / rounds * at_once;
-    if (first >= pixels) return std::nullopt;
-    const auto first_pixel = static_cast<std::uint32_t>(first);
-    const auto first_sample = static_cast<std::uint32_t>(begin + in_pass % rounds * samples);
-    return BatchExtent{first_pixel, std::min(at_once, pixels - first_pixel), first_sample,
-                       std::min(samples, static_cast<std::uint32_t>(end) - first_sample)};
-}
-
-BatchExtent batch_of(const PipelineParameters& p, const StageView& stage) {
-    if (const auto extent = batch_extent(p, stage.batch)) return *extent;
+BatchView batch_of(const PipelineParameters& p, const StageView& stage) {
+    const BatchPlan plan(p);
+    if (stage.batch < plan.size()) return plan[stage.batch];
     throw Error::bad_input(stage.name,
                            fmt::format("an image of {}x{} pixels, {} samples each, has no batch {}",
                                        p.image_width, p.image_height, p.spp, stage.batch));

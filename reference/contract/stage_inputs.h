@@ -5,7 +5,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -17,6 +16,7 @@
 #include "reference/contract/pipeline_parameters.h"
 #include "reference/contract/records.h"
 #include "reference/contract/stage_observer.h"
+#include "reference/contract/views.h"
 #include "reference/contract/wide_bvh.h"
 
 namespace scotty::reference {
@@ -96,13 +96,7 @@ void expect_primitives(const StageBuffers& buffers, const GatheredHits& hits,
 std::span<const Hit> hits_of_scene(const StageBuffers& buffers, const char* name, std::size_t rays,
                                    std::uint32_t triangle_count);
 
-/// Pixels and samples of a batch, as a render cuts the image.
-struct BatchExtent {
-    std::uint32_t first_pixel = 0, pixels = 0, first_sample = 0, samples = 0;
-};
-/// None where the image has no such batch.
-std::optional<BatchExtent> batch_extent(const PipelineParameters& parameters, std::uint64_t batch);
 /// Throws bad_input where the image has no such batch.
-BatchExtent batch_of(const PipelineParameters& parameters, const StageView& stage);
+BatchView batch_of(const PipelineParameters& parameters, const StageView& stage);
 
 }  // namespace scotty::reference

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "reference/contract/stage_inputs.h"
+#include "reference/contract/batch_plan.h"
 #include "reference/numerics/intersect_triangle.h"
 #include "reference/numerics/path.h"
 
@@ -56,7 +56,7 @@ Vec3 trace_path(const SceneView& scene, const PathParameters& parameters,
     return radiance;
 }
 
-void show_batch(StageObserver& observer, std::uint32_t number, const BatchExtent& batch,
+void show_batch(StageObserver& observer, std::uint32_t number, const BatchView& batch,
                 const Image& image) {
     if (!observer.wants(StageKind::reconstruct_image)) return;
     std::vector<std::uint32_t> pixel;
@@ -92,14 +92,14 @@ Image render_with_embree(const Scene& scene, const PipelineParameters& parameter
                 std::vector<Vec3>(pixels, Vec3(0.0f, 0.0f, 0.0f))};
     oneapi::tbb::task_arena arena(threads == 0 ? oneapi::tbb::task_arena::automatic
                                                : static_cast<int>(threads));
-    for (std::uint32_t number = 0;; ++number) {
-        const auto batch = batch_extent(batched, number);
-        if (!batch) return image;
-        const std::uint32_t end_sample = batch->first_sample + batch->samples;
+    const BatchPlan plan(batched);
+    for (std::uint32_t number = 0; number < plan.size(); ++number) {
+        const BatchView batch = plan[number];
+        const std::uint32_t end_sample = batch.first_sample + batch.samples;
         const auto add_samples = [&](const oneapi::tbb::blocked_range<std::uint32_t>& range) {
             for (std::uint32_t pixel = range.begin(); pixel != range.end(); ++pixel) {
                 Vec3 sum = image.pixels[pixel];
-                for (std::uint32_t sample = batch->first_sample; sample < end_sample; ++sample) {
+                for (std::uint32_t sample = batch.first_sample; sample < end_sample; ++sample) {
                     sum += trace_path(view, path, tracer, pixel, sample);
                 }
                 if (end_sample == batched.spp) sum /= static_cast<float>(batched.spp);
@@ -107,13 +107,13 @@ Image render_with_embree(const Scene& scene, const PipelineParameters& parameter
             }
         };
         arena.execute([&] {
-            oneapi::tbb::parallel_for(
-                oneapi::tbb::blocked_range<std::uint32_t>(batch->first_pixel,
-                                                          batch->first_pixel + batch->pixels, 64),
-                add_samples);
+            oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<std::uint32_t>(
+                                          batch.first_pixel, batch.first_pixel + batch.pixels, 64),
+                                      add_samples);
         });
-        if (observer != nullptr) show_batch(*observer, number, *batch, image);
+        if (observer != nullptr) show_batch(*observer, number, batch, image);
     }
+    return image;
 }
 
 }  // namespace scotty::reference
