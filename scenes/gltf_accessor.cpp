@@ -7,6 +7,7 @@
 #include <cstring>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
 namespace scotty::scenes {
 
@@ -85,8 +86,8 @@ GltfAccessor::GltfAccessor(GltfDocument& document, std::uint64_t index, const Gl
     if (object.has("sparse")) read_sparse(document, object);
 }
 
-GltfAccessor::GltfAccessor(const std::string& place, std::string bytes, unsigned float_components)
-    : place_(place), components_(std::max(1u, float_components)) {
+GltfAccessor::GltfAccessor(std::string place, std::string bytes, unsigned float_components)
+    : place_(std::move(place)), components_(std::max(1u, float_components)) {
     if (float_components == 0) component_type_ = 5125;
     count_ = bytes.size() / 4 / components_;
     set_bytes({GltfBytes::of_memory(std::move(bytes)), 0}, 0);
@@ -148,6 +149,8 @@ void GltfAccessor::convert(const char* from, std::uint64_t count, To* to) const 
             if constexpr (std::is_same_v<To, float> && !std::is_same_v<From, float>) {
                 const auto number = static_cast<float>(value);
                 *to++ = is_normalised_ ? std::max(number / kLargest, -1.0f) : number;
+            } else if constexpr (std::is_integral_v<From>) {
+                *to++ = static_cast<To>(static_cast<std::make_unsigned_t<From>>(value));
             } else {
                 *to++ = static_cast<To>(value);
             }

@@ -18,7 +18,7 @@ class GltfAccessor {
     GltfAccessor(GltfDocument& document, std::uint64_t index, const GltfObject& user);
     /// Elements that lie in memory: 32-bit floats (float_components > 0) or, where that is 0, whole
     /// numbers of 32 bits.
-    GltfAccessor(const std::string& place, std::string bytes, unsigned float_components);
+    GltfAccessor(std::string place, std::string bytes, unsigned float_components);
 
     std::uint64_t count() const { return count_; }
     unsigned components() const { return components_; }

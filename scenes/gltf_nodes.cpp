@@ -133,9 +133,9 @@ void GltfNodes::place_below(std::uint64_t root, const std::vector<GltfObject>& n
         node.place = node.place * local_transform(nodes[node.index], notes);
         placed_.push_back(node);
         const auto& children = children_[node.index];
-        for (auto child = children.rbegin(); child != children.rend(); ++child) {
-            open.push_back({*child, node.place});
-        }
+        std::for_each(children.rbegin(), children.rend(), [&](std::uint64_t child) {
+            open.push_back({child, node.place});
+        });
     }
 }
 

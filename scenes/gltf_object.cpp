@@ -35,8 +35,8 @@ GltfObject::GltfObject(const json& value, const std::string& place) : value_(&va
 }
 
 Error GltfObject::expected(const char* key, const char* what, const json& found) const {
-    return error(
-        fmt::format("not glTF as specified: {}: expected {}, found {}", key, what, json_text(found)));
+    return error(fmt::format("not glTF as specified: {}: expected {}, found {}", key, what,
+                             json_text(found)));
 }
 
 Error GltfObject::wrong_length(const char* key, std::size_t wanted, std::size_t found) const {

@@ -15,7 +15,7 @@ struct GltfMaterial {
     reference::Material material;
     bool is_visible = true;
 };
-GltfMaterial read_gltf_material(const GltfObject& material, Notes& notes);
+GltfMaterial read_gltf_material(const GltfObject& object, Notes& notes);
 
 /// A light of KHR_lights_punctual, which shines along its node's -z. Nothing, with a note, where
 /// the node's transform leaves it no direction.

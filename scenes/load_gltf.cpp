@@ -81,7 +81,7 @@ class GltfLoader {
     }
 
     void read_mesh(std::uint64_t mesh, const GltfObject& user) {
-        if (meshes_.count(mesh) != 0) return;
+        if (meshes_.contains(mesh)) return;
         const GltfObject object = document_.root().at("meshes", mesh, user);
         meshes_.emplace(mesh, read_gltf_mesh(document_, object, notes_));
     }

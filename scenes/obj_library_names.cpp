@@ -55,7 +55,7 @@ fs::path find_library(const fs::path& folder, std::string_view name) {
         if (is_file(path)) return path;
     }
     for (const fs::path& path : {folder / slashes, folder / fs::path(slashes).filename()}) {
-        const fs::path found = file_in_other_case(path);
+        fs::path found = file_in_other_case(path);
         if (!found.empty()) return found;
     }
     return {};

@@ -87,7 +87,7 @@ class HeaderReader {
         }
         ++line_number_;
         const auto control = [](char c) { return (c >= 0 && c < ' ' && c != '\t') || c == 0x7f; };
-        const auto found = std::find_if(line->begin(), line->end(), control);
+        const auto* const found = std::find_if(line->begin(), line->end(), control);
         if (found != line->end()) {
             fail(fmt::format("a byte that is no text: {:#04x}", static_cast<int>(*found)));
         }
