@@ -12,12 +12,9 @@ namespace scotty::emulation {
 
 using reference::BatchView;
 using reference::FilterView;
+using reference::kDone;
+using reference::kNoPackedHit;
 using reference::PathView;
-
-/// A ray whose minimum is this has its any-hit answer: every entry distance is greater.
-constexpr float kDone = -1.0f;
-/// No hit, in packed hit mode: greater than every (t, primitive).
-constexpr std::uint64_t kNoPackedHit = ~std::uint64_t{0};
 
 /// What a traversal gathers, by ray id.
 struct HitView {

@@ -13,10 +13,9 @@ namespace SCOTTY_DEVICE_NAMESPACE {
 
 using reference::BatchView;
 using reference::FilterView;
+using reference::kDone;
+using reference::kNoPackedHit;
 using reference::PathView;
-
-constexpr float kDone = -1.0f;  ///< minimum of a ray with its any-hit answer
-constexpr std::uint64_t kNoPackedHit = ~std::uint64_t{0};
 
 template <int Width>
 struct BvhView {

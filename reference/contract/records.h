@@ -43,6 +43,11 @@ static_assert(sizeof(Hit) == 16, "one 16-byte load");
 SCOTTY_HD Hit no_hit() { return {kInfinity, kNone, 0.0f, 0.0f}; }
 SCOTTY_HD bool is_hit(const Hit& hit) { return hit.primitive != kNone; }
 
+/// Packed hit of a ray that hits nothing: greater than every (t, primitive).
+constexpr std::uint64_t kNoPackedHit = ~std::uint64_t{0};
+/// A ray whose minimum is this has its any-hit answer: every entry distance is greater.
+constexpr float kDone = -1.0f;
+
 /// One entry of a ray's multi-intersection buffer.
 struct HitCandidate {
     float t;

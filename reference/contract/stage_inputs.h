@@ -31,6 +31,28 @@ class StageBuffers {
 
     /// An input; throws where it is missing.
     template <class T>
+    std::span<const T> input(const Buffer<T>& buffer) const {
+        return input<T>(buffer.name);
+    }
+    /// The same; throws unless it has `count` elements.
+    template <class T>
+    std::span<const T> input(const Buffer<T>& buffer, std::size_t count) const {
+        return input<T>(buffer.name, count);
+    }
+    /// A copy to work on.
+    template <class T>
+    std::vector<T> copy(const Buffer<T>& buffer, std::size_t count) const {
+        return copy<T>(buffer.name, count);
+    }
+    /// As buffer_view(): of a hit list `rows` says how many rays share the slots.
+    template <class T>
+    void output(const Buffer<T>& buffer, const std::type_identity_t<std::vector<T>>& values,
+                std::size_t rows = 0) {
+        outputs_.push_back(own(buffer_view(buffer, values, rows)));
+    }
+
+    // The same by name.
+    template <class T>
     std::span<const T> input(std::string_view name) const {
         const BufferView& view = find(name, sizeof(T));
         return {static_cast<const T*>(view.data), view.bytes / sizeof(T)};

@@ -4,34 +4,6 @@
 
 namespace scotty::reference {
 
-const char* to_string(StageKind kind) {
-    switch (kind) {
-        case StageKind::primary_rays:
-            return "primary_rays";
-        case StageKind::scan_counts:
-            return "scan_counts";
-        case StageKind::intersect_root:
-            return "intersect_root";
-        case StageKind::intersect:
-            return "intersect";
-        case StageKind::publish_minimum:
-            return "publish_minimum";
-        case StageKind::merge_intersections:
-            return "merge_intersections";
-        case StageKind::direct_light_rays:
-            return "direct_light_rays";
-        case StageKind::resolve_light:
-            return "resolve_light";
-        case StageKind::scene_rays:
-            return "scene_rays";
-        case StageKind::reconstruct_image:
-            return "reconstruct_image";
-        case StageKind::filter:
-            return "filter";
-    }
-    return "(invalid)";
-}
-
 const BufferView* StageView::find(std::string_view buffer) const {
     // Outputs first: where a stage updates a buffer in place, what it made of it is meant.
     for (const BufferView& view : outputs) {

@@ -14,30 +14,9 @@
 
 #include "reference/base/error.h"
 #include "reference/contract/records.h"
+#include "reference/contract/stages.h"
 
 namespace scotty::reference {
-
-enum class StageKind {
-    primary_rays,
-    scan_counts,
-    intersect_root,
-    intersect,
-    publish_minimum,
-    merge_intersections,
-    direct_light_rays,
-    resolve_light,
-    scene_rays,
-    reconstruct_image,
-    filter
-};
-const char* to_string(StageKind kind);
-/// One of the launches that a traversal makes for every level.
-inline bool is_of_traversal(StageKind kind) {
-    return kind == StageKind::scan_counts || kind == StageKind::intersect_root ||
-           kind == StageKind::intersect || kind == StageKind::publish_minimum;
-}
-
-enum class ElementType { uint8, uint32, uint64, float32 };
 
 /// A buffer as it lies in memory. Records are shown as their fields: Ray is float32 [n, 8],
 /// Hit is uint32 [n, 4] (t, u and v as bits), Vec3 is float32 [n, 3].
@@ -70,6 +49,10 @@ struct StageView {
 
     /// Typed view of an input or output; empty where the stage has no such buffer.
     /// Throws internal when sizeof(T) does not divide the buffer.
+    template <class T>
+    std::span<const T> get(const Buffer<T>& buffer) const {
+        return get<T>(buffer.name);
+    }
     template <class T>
     std::span<const T> get(std::string_view buffer) const {
         static_assert(std::is_trivially_copyable_v<T>);
@@ -105,29 +88,19 @@ std::string stage_name(StageKind kind, std::uint32_t batch, std::uint32_t bounce
 
 template <class T>
 BufferView buffer_view(std::string_view name, std::span<const T> data, std::string_view meaning) {
-    BufferView view;
-    view.name = name;
-    view.data = data.data();
-    view.bytes = data.size_bytes();
-    view.meaning = meaning;
-    if constexpr (std::is_same_v<T, float>) {
-        view.type = ElementType::float32;
-        view.shape = {data.size()};
-    } else if constexpr (std::is_same_v<T, Vec3>) {
-        view.type = ElementType::float32;
-        view.shape = {data.size(), 3};
-    } else if constexpr (std::is_same_v<T, Ray>) {
-        view.type = ElementType::float32;
-        view.shape = {data.size(), 8};
-    } else if constexpr (std::is_same_v<T, std::uint64_t>) {
-        view.type = ElementType::uint64;
-        view.shape = {data.size()};
-    } else {
-        static_assert(sizeof(T) % 4 == 0);
-        view.type = ElementType::uint32;
-        view.shape = {data.size()};
-        if (sizeof(T) > 4) view.shape.push_back(sizeof(T) / 4);
-    }
+    BufferView view{name,    element_type_of<T>(), {data.size()}, data.data(),
+                    meaning, data.size_bytes()};
+    constexpr std::size_t words = sizeof(T) / (element_type_of<T>() == ElementType::uint64 ? 8 : 4);
+    if (words > 1) view.shape.push_back(words);
+    return view;
+}
+/// The buffer over `data`, which it borrows. Of a hit list `rows` says how many rays share the
+/// slots.
+template <class T>
+BufferView buffer_view(const Buffer<T>& buffer, std::type_identity_t<std::span<const T>> data,
+                       std::size_t rows = 0) {
+    BufferView view = buffer_view<T>(buffer.name, data, buffer.meaning);
+    if (rows != 0) view.shape = {rows, data.size() / rows, buffer.fields.size()};
     return view;
 }
 

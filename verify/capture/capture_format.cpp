@@ -243,8 +243,4 @@ CaptureIndex parse_index(const std::filesystem::path& file, const json& object) 
     return index;
 }
 
-bool is_level_kernel(reference::StageKind kind) {
-    return kind == reference::StageKind::intersect || kind == reference::StageKind::intersect_root;
-}
-
 }  // namespace scotty::verify

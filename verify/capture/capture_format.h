@@ -19,12 +19,7 @@ inline constexpr int kCaptureVersion = 1;
 inline constexpr const char* kIndexFile = "index.json";
 inline constexpr const char* kInputFolder = "input";
 
-/// What about a buffer's bytes the contract fixes.
-enum class BufferOrder {
-    ordered,  ///< every byte
-    queue,    ///< per node, the set of ids in the used part of its region
-    hit_list  ///< per ray, the set of its first min(count, capacity) hits
-};
+using reference::BufferOrder;
 const char* to_string(BufferOrder order);
 /// Of a buffer by its name.
 BufferOrder order_of(std::string_view buffer);
@@ -102,8 +97,6 @@ std::string text_member(const std::string& where, const nlohmann::json& object, 
 /// 16 hexadecimal digits.
 std::uint64_t hex_member(const std::string& where, const nlohmann::json& object, const char* name);
 
-/// The kernels that read one level's queues and write the next's: intersect_root and intersect.
-bool is_level_kernel(reference::StageKind kind);
 /// Every stage kind, in declaration order.
 const std::vector<reference::StageKind>& all_stage_kinds();
 

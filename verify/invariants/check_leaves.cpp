@@ -140,7 +140,7 @@ void check_packed(const StageView& stage, std::uint32_t ray, std::span<const Lea
                   std::uint64_t before, std::uint64_t after, bool free_choice,
                   std::vector<Failure>& failures) {
     std::uint64_t least = before;
-    bool is_candidate = after == before && (before != kNoPacked || expected.empty());
+    bool is_candidate = after == before && (before != kNoPackedHit || expected.empty());
     const LeafHit* winner = nullptr;
     for (const LeafHit& hit : expected) {
         is_candidate = is_candidate || (pack(hit) == after && after < before);
@@ -151,7 +151,7 @@ void check_packed(const StageView& stage, std::uint32_t ray, std::span<const Lea
     }
     if (after == least || (free_choice && is_candidate)) return;
     const auto shown = [](std::uint64_t packed) {
-        return packed == kNoPacked ? std::string("no hit") : fmt::format("{:#018x}", packed);
+        return packed == kNoPackedHit ? std::string("no hit") : fmt::format("{:#018x}", packed);
     };
     Failure failure = leaf_failure(stage, ray, winner, "not the closest of the leaves' hits");
     failure.field = fmt::format("packed_hits[{}]", ray);
@@ -184,7 +184,7 @@ void check_leaves(CheckState& state, const StageView& stage) {
             traversal.asks_any && state.parameters.early_out == EarlyOut::immediate;
         for (std::uint32_t ray = 0; ray < packed.size(); ++ray) {
             const std::uint64_t before =
-                ray < traversal.packed.size() && !root ? traversal.packed[ray] : kNoPacked;
+                ray < traversal.packed.size() && !root ? traversal.packed[ray] : kNoPackedHit;
             check_packed(stage, ray, of_ray(ray), before, packed[ray], free_choice, failures);
         }
         appended_total = expected.hits.size();
@@ -238,7 +238,7 @@ void check_minimum(CheckState& state, const StageView& stage) {
         const float before = traversal.minimum[ray];
         const bool hit = best.primitive != kNone;
         const float expected =
-            unchanged ? before : (!hit ? kInfinity : (traversal.asks_any ? -1.0f : best.t));
+            unchanged ? before : (!hit ? kInfinity : (traversal.asks_any ? kDone : best.t));
         const float found = minimum[ray];
         // A minimum that lies beyond the ray's end culls nothing, whatever it is.
         const bool beyond = expected == kInfinity && found >= traversal.rays[ray].t_max;

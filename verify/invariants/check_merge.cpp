@@ -107,7 +107,7 @@ void check_merge(CheckState& state, const StageView& stage) {
     for (std::uint32_t ray = 0; ray < n; ++ray) {
         HitCandidate best{kInfinity, kNone};
         if (packed_mode) {
-            if (packed[ray] != ~std::uint64_t{0}) {
+            if (packed[ray] != kNoPackedHit) {
                 best = {std::bit_cast<float>(static_cast<std::uint32_t>(packed[ray] >> 32)),
                         static_cast<std::uint32_t>(packed[ray])};
             }

@@ -432,7 +432,7 @@ void follow_level(CheckState& state, const StageView& stage) {
         traversal.rays = copy_of(stage.get<Ray>("rays"));
         const std::size_t n = traversal.rays.size();
         traversal.hit_counts.assign(n, 0);
-        traversal.packed.assign(n, ~std::uint64_t{0});
+        traversal.packed.assign(n, kNoPackedHit);
         traversal.best.assign(n, {kInfinity, kNone});
         traversal.minimum.assign(n, kInfinity);
     }
@@ -449,7 +449,7 @@ void follow_level(CheckState& state, const StageView& stage) {
     const std::size_t n = traversal.rays.size();
     const auto packed = stage.get<std::uint64_t>("packed_hits");
     for (std::size_t ray = 0; ray < packed.size() && ray < n; ++ray) {
-        if (packed[ray] == ~std::uint64_t{0} || packed[ray] == traversal.packed[ray]) continue;
+        if (packed[ray] == kNoPackedHit || packed[ray] == traversal.packed[ray]) continue;
         traversal.packed[ray] = packed[ray];
         note(ray, std::bit_cast<float>(static_cast<std::uint32_t>(packed[ray] >> 32)),
              static_cast<std::uint32_t>(packed[ray]));

@@ -11,9 +11,6 @@
 
 namespace scotty::verify {
 
-/// What packed_hits holds for a ray without a hit.
-constexpr std::uint64_t kNoPacked = ~std::uint64_t{0};
-
 inline constexpr std::uint32_t kMaxWidth = 16;
 
 /// A wide node of any width.

@@ -271,7 +271,7 @@ class Historian {
             std::vector<GatheredHit> fresh;
             if (packed_mode) {
                 const auto word = at(counts.get<std::uint64_t>("packed_hits"), history.ray);
-                std::uint64_t& before = packed_.emplace(key, kNoPacked).first->second;
+                std::uint64_t& before = packed_.emplace(key, kNoPackedHit).first->second;
                 if (word && *word != before) {
                     before = *word;
                     fresh.push_back({0,

@@ -216,7 +216,7 @@ TEST_CASE("occupancy: a render's counts are those of its launches, on every tier
     std::uint64_t items = 0;
     std::uint64_t blocks = 0;
     for (const reference::LaunchRecord& launch : pipeline->launches()) {
-        if (!verify::is_level_kernel(launch.kind)) continue;
+        if (!is_level_kernel(launch.kind)) continue;
         items += launch.items;
         blocks += launch.blocks;
     }
