@@ -229,7 +229,7 @@ TEST_CASE("obj: names of material libraries", "[scenes][obj]") {
     for (const char* name :
          {"a.mtl", "a.mtl   ", "a.mtl\t# colours", ".\\a.mtl", "./a.mtl", "\"a.mtl\"",
           "my colours.mtl", "\"my colours.mtl\"", "my colours.mtl # of mine", "A.MTL",
-          "C:\\Users\\me\\My Colours.mtl", "/home/me/a.mtl", "#1.mtl", "gone.mtl a.mtl"}) {
+          "C:\\Users\\me\\My Colours.mtl", "/models/me/a.mtl", "#1.mtl", "gone.mtl a.mtl"}) {
         INFO(name);
         const Scene scene = load(name);
         CHECK(reflectance(scene, 0) == kRed);
