@@ -30,12 +30,12 @@ std::string last_line(const std::string& text) {
 
 /// Paths without what is before the project's folders.
 std::string shorten(const std::string& text) {
-    return std::regex_replace(text, std::regex(R"([\w./-]*/((gpu|emulation|reference)/\w+\.\w+:))"),
+    return std::regex_replace(text, std::regex(R"([\w./-]*/((gpu|emulation|reference)(/\w+)+\.\w+:))"),
                               "$1");
 }
 
 std::string place_of(const nlohmann::json& failure, const std::string& says) {
-    std::string place = first_match(says, R"((gpu|emulation)/\w+\.\w+:\d+)");
+    std::string place = first_match(says, R"((gpu|emulation)(/\w+)+\.\w+:\d+)");
     for (const char* name : {"node", "block", "ray"}) {
         if (!failure.contains(name) || !failure[name].is_number()) continue;
         place += fmt::format("{}{} {}", place.empty() ? "" : ", ", name,

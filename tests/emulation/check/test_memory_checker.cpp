@@ -210,7 +210,7 @@ TEST_CASE("checker: memory that nobody has written, that is not there, or no mor
             [&] { device.executor.launch("read_word", 1, 32, read_word, fresh, index, out); });
     };
     CHECK_THAT(read(2), says("nobody has written fresh memory, byte 8 of 40: thread 0 of block 0 "
-                             "reads it at tests/emulation/simt/checked"));
+                             "reads it at tests/emulation/check"));
     device.executor.launch("write_word", 1, 32, write_word, fresh, 2);
     device.executor.launch("read_word", 1, 32, read_word, fresh, 2, out);
     CHECK(*out == 1);

@@ -103,7 +103,7 @@ TEST_CASE("ray file: rays at the limits of what is read hit what ordinary ones d
         const TemporaryFolder folder;
         RayFile file;
         for (int i = 0; i < 200; ++i) {
-            const float x = 0.005f * static_cast<float>(i) - 0.5f;
+            const float x = 0.0025f * static_cast<float>(i) - 0.25f;
             Vec3 direction =
                 scene.camera.forward + scene.camera.up * (0.3f * x) + scene.camera.right * x;
             direction = direction * (1.0f / max_abs(direction));

@@ -6,7 +6,9 @@ import sys
 import tempfile
 import unittest
 
-TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+TOP = os.path.abspath(__file__)
+for _ in range(4):
+    TOP = os.path.dirname(TOP)
 GENERATE = os.path.join(TOP, "verify/mutants/generate.py")
 TEXT = "#pragma once\nint f(int a) {\n    wait();\n    return a + 1;\n}\nint g(int a) { return a * 2; }\n"
 
