@@ -450,6 +450,7 @@ std::vector<RelaxedMeetings> relaxed_meetings() {
     std::map<std::string, std::uint64_t> by_line;
     for (std::size_t i = 0; i < places.size(); ++i) by_line[lines[i]] += tally.met[places[i]];
     std::vector<RelaxedMeetings> out;
+    out.reserve(by_line.size());
     for (const auto& [line, met] : by_line) out.push_back({line, met});
     return out;
 }

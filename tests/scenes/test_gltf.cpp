@@ -143,7 +143,8 @@ TEST_CASE("gltf: a light's range is noted, its values are checked", "[scenes][gl
     CHECK_THROWS_WITH(with({{"type", "area"}}), Contains("lights[0]") && Contains("'area'"));
 }
 
-TEST_CASE("gltf: cameras keep their numbers, and the first that a node has is used", "[scenes][gltf]") {
+TEST_CASE("gltf: cameras keep their numbers, and the first that a node has is used",
+          "[scenes][gltf]") {
     GltfText text = square_gltf();
     text.append("cameras", perspective(0.2));
     text.append("cameras", perspective(1.2));

@@ -30,8 +30,8 @@ std::string last_line(const std::string& text) {
 
 /// Paths without what is before the project's folders.
 std::string shorten(const std::string& text) {
-    return std::regex_replace(text, std::regex(R"([\w./-]*/((gpu|emulation|reference)(/\w+)+\.\w+:))"),
-                              "$1");
+    return std::regex_replace(
+        text, std::regex(R"([\w./-]*/((gpu|emulation|reference)(/\w+)+\.\w+:))"), "$1");
 }
 
 std::string place_of(const nlohmann::json& failure, const std::string& says) {
