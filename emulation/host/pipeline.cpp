@@ -22,6 +22,7 @@
 
 namespace scotty::emulation {
 
+namespace buffers = reference::buffers;
 using reference::buffer_view;
 using reference::Filter;
 using reference::Hit;
@@ -162,16 +163,15 @@ void Pipeline::State::launch_primary_rays(const StagePlace& place, const BatchVi
             primary_rays(pixel, batch, scene_.camera, path_, paths());
         });
     });
-    show_paths(StageKind::primary_rays, place, {},
-               {buffer_view("rays", rays_.view(), "origin, t_min, direction, t_max"),
-                buffer_view("throughput", throughput_.view(), "importance of the path"),
-                buffer_view("radiance", radiance_.view(), "light gathered so far"),
-                buffer_view("potential", potential_.view(), "light if the shadow ray is free"),
-                buffer_view("pixel", pixel_.view(), "y * width + x"),
-                buffer_view("sample", sample_.view(), "sample of the pixel"),
-                buffer_view("depth", depth_.view(), "scatterings so far"),
-                buffer_view("flags", flags_.view(), "1 alive, 2 last scattering specular")},
-               batch.pixels);
+    show_paths(
+        StageKind::primary_rays, place, {},
+        {buffer_view(buffers::rays, rays_.view()),
+         buffer_view(buffers::throughput, throughput_.view()),
+         buffer_view(buffers::radiance, radiance_.view()),
+         buffer_view(buffers::potential, potential_.view()),
+         buffer_view(buffers::pixel, pixel_.view()), buffer_view(buffers::sample, sample_.view()),
+         buffer_view(buffers::depth, depth_.view()), buffer_view(buffers::flags, flags_.view())},
+        batch.pixels);
 }
 
 void Pipeline::State::launch_direct_light(const StagePlace& place) {
@@ -182,12 +182,12 @@ void Pipeline::State::launch_direct_light(const StagePlace& place) {
         });
     });
     show_paths(StageKind::direct_light_rays, place,
-               {buffer_view("rays", rays_.view(), "origin, t_min, direction, t_max"),
-                buffer_view("path_hits", path_hits_.view(), "t, primitive, u, v"),
-                buffer_view("throughput", throughput_.view(), "importance of the path"),
-                buffer_view("flags", flags_.view(), "1 alive, 2 last scattering specular")},
-               {buffer_view("shadow_rays", shadow_rays_.view(), "origin, t_min, direction, t_max"),
-                buffer_view("potential", potential_.view(), "light if the shadow ray is free")},
+               {buffer_view(buffers::rays, rays_.view()),
+                buffer_view(buffers::path_hits, path_hits_.view()),
+                buffer_view(buffers::throughput, throughput_.view()),
+                buffer_view(buffers::flags, flags_.view())},
+               {buffer_view(buffers::shadow_rays, shadow_rays_.view()),
+                buffer_view(buffers::potential, potential_.view())},
                ray_count());
 }
 
@@ -198,10 +198,10 @@ void Pipeline::State::launch_resolve_light(const StagePlace& place) {
         });
     });
     show_paths(StageKind::resolve_light, place,
-               {buffer_view("shadow_rays", shadow_rays_.view(), "origin, t_min, direction, t_max"),
-                buffer_view("shadow_hits", shadow_hits_.view(), "t, primitive, u, v"),
-                buffer_view("potential", potential_.view(), "light if the shadow ray is free")},
-               {buffer_view("radiance", radiance_.view(), "light gathered so far")}, ray_count());
+               {buffer_view(buffers::shadow_rays, shadow_rays_.view()),
+                buffer_view(buffers::shadow_hits, shadow_hits_.view()),
+                buffer_view(buffers::potential, potential_.view())},
+               {buffer_view(buffers::radiance, radiance_.view())}, ray_count());
 }
 
 void Pipeline::State::launch_scene_rays(const StagePlace& place) {
@@ -210,14 +210,13 @@ void Pipeline::State::launch_scene_rays(const StagePlace& place) {
             scene_rays(ray, scene_, path_, place.bounce, path_hits_.data(), paths());
         });
     });
-    show_paths(StageKind::scene_rays, place,
-               {buffer_view("path_hits", path_hits_.view(), "t, primitive, u, v")},
-               {buffer_view("rays", rays_.view(), "origin, t_min, direction, t_max"),
-                buffer_view("throughput", throughput_.view(), "importance of the path"),
-                buffer_view("radiance", radiance_.view(), "light gathered so far"),
-                buffer_view("flags", flags_.view(), "1 alive, 2 last scattering specular"),
-                buffer_view("depth", depth_.view(), "scatterings so far")},
-               ray_count());
+    show_paths(
+        StageKind::scene_rays, place, {buffer_view(buffers::path_hits, path_hits_.view())},
+        {buffer_view(buffers::rays, rays_.view()),
+         buffer_view(buffers::throughput, throughput_.view()),
+         buffer_view(buffers::radiance, radiance_.view()),
+         buffer_view(buffers::flags, flags_.view()), buffer_view(buffers::depth, depth_.view())},
+        ray_count());
 }
 
 void Pipeline::State::launch_reconstruct(const StagePlace& place, const BatchView& batch) {
@@ -227,9 +226,9 @@ void Pipeline::State::launch_reconstruct(const StagePlace& place, const BatchVie
         });
     });
     show_paths(StageKind::reconstruct_image, place,
-               {buffer_view("radiance", radiance_.view(), "light gathered by path"),
-                buffer_view("pixel", pixel_.view(), "y * width + x")},
-               {buffer_view("image", image_.view(), "radiance by pixel")}, batch.pixels);
+               {buffer_view(buffers::radiance, radiance_.view()),
+                buffer_view(buffers::pixel, pixel_.view())},
+               {buffer_view(buffers::image, image_.view())}, batch.pixels);
 }
 
 void Pipeline::State::launch_filter() {
@@ -255,8 +254,8 @@ void Pipeline::State::launch_filter() {
     if (log_.wants(StageKind::filter)) {
         StageView stage = log_.stage(StageKind::filter, {}, blocks_for(pixels), 256);
         stage.name = std::string("filter_") + reference::to_string(parameters_.filter);
-        stage.inputs = {buffer_view("image", image_.view(), "radiance by pixel")};
-        stage.outputs = {buffer_view("filtered", filtered_.view(), "radiance by pixel")};
+        stage.inputs = {buffer_view(buffers::image, image_.view())};
+        stage.outputs = {buffer_view(buffers::filtered, filtered_.view())};
         log_.show(stage);
     }
     std::swap(image_, filtered_);

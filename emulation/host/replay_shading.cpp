@@ -14,6 +14,8 @@
 
 namespace scotty::emulation {
 
+namespace buffers = reference::buffers;
+
 using reference::Hit;
 using reference::PipelineParameters;
 using reference::Ray;
@@ -47,25 +49,25 @@ void replay_primary_rays(ReplayStage& run) {
         primary_rays(pixel, batch, run.scene.camera, reference::path_parameters(run.parameters),
                      view);
     });
-    run.buffers.output("rays", paths.rays, "origin, t_min, direction, t_max");
-    run.buffers.output("throughput", paths.throughput, "importance of the path");
-    run.buffers.output("radiance", paths.radiance, "light gathered so far");
-    run.buffers.output("potential", paths.potential, "light if the shadow ray is free");
-    run.buffers.output("pixel", paths.pixel, "y * width + x");
-    run.buffers.output("sample", paths.sample, "sample of the pixel");
-    run.buffers.output("depth", paths.depth, "scatterings so far");
-    run.buffers.output("flags", paths.flags, "1 alive, 2 last scattering specular");
+    run.buffers.output(buffers::rays, paths.rays);
+    run.buffers.output(buffers::throughput, paths.throughput);
+    run.buffers.output(buffers::radiance, paths.radiance);
+    run.buffers.output(buffers::potential, paths.potential);
+    run.buffers.output(buffers::pixel, paths.pixel);
+    run.buffers.output(buffers::sample, paths.sample);
+    run.buffers.output(buffers::depth, paths.depth);
+    run.buffers.output(buffers::flags, paths.flags);
 }
 
 void replay_direct_light_rays(ReplayStage& run) {
     PathBuffers paths;
-    const std::span<const Ray> rays = run.buffers.input<Ray>("rays");
+    const std::span<const Ray> rays = run.buffers.input(buffers::rays);
     const std::size_t n = rays.size();
     paths.rays.assign(rays.begin(), rays.end());
-    paths.throughput = run.buffers.copy<Vec3>("throughput", n);
-    paths.flags = run.buffers.copy<std::uint32_t>("flags", n);
-    paths.pixel = run.buffers.copy<std::uint32_t>("pixel", n);
-    paths.sample = run.buffers.copy<std::uint32_t>("sample", n);
+    paths.throughput = run.buffers.copy(buffers::throughput, n);
+    paths.flags = run.buffers.copy(buffers::flags, n);
+    paths.pixel = run.buffers.copy(buffers::pixel, n);
+    paths.sample = run.buffers.copy(buffers::sample, n);
     paths.potential.resize(n);
     const std::span<const Hit> hits =
         hits_of_scene(run.buffers, "path_hits", n, run.scene.triangle_count);
@@ -75,35 +77,35 @@ void replay_direct_light_rays(ReplayStage& run) {
         direct_light_rays(ray, run.scene, reference::path_parameters(run.parameters),
                           run.stage.bounce, run.stage.light, view, hits.data(), shadow_rays.data());
     });
-    run.buffers.output("shadow_rays", shadow_rays, "origin, t_min, direction, t_max");
-    run.buffers.output("potential", paths.potential, "light if the shadow ray is free");
+    run.buffers.output(buffers::shadow_rays, shadow_rays);
+    run.buffers.output(buffers::potential, paths.potential);
 }
 
 void replay_resolve_light(ReplayStage& run) {
     PathBuffers paths;
-    const std::span<const Ray> shadow_rays = run.buffers.input<Ray>("shadow_rays");
+    const std::span<const Ray> shadow_rays = run.buffers.input(buffers::shadow_rays);
     const std::size_t n = shadow_rays.size();
-    const std::span<const Hit> hits = run.buffers.input<Hit>("shadow_hits", n);
-    paths.potential = run.buffers.copy<Vec3>("potential", n);
-    paths.radiance = run.buffers.copy<Vec3>("radiance", n);
+    const std::span<const Hit> hits = run.buffers.input(buffers::shadow_hits, n);
+    paths.potential = run.buffers.copy(buffers::potential, n);
+    paths.radiance = run.buffers.copy(buffers::radiance, n);
     const PathView view = paths.view();
     run.device.launch_per_item(static_cast<std::uint32_t>(n), [&](std::uint32_t ray) {
         resolve_light(ray, shadow_rays.data(), hits.data(), view);
     });
-    run.buffers.output("radiance", paths.radiance, "light gathered so far");
+    run.buffers.output(buffers::radiance, paths.radiance);
 }
 
 void replay_scene_rays(ReplayStage& run) {
     PathBuffers paths;
-    const std::span<const Ray> rays = run.buffers.input<Ray>("rays");
+    const std::span<const Ray> rays = run.buffers.input(buffers::rays);
     const std::size_t n = rays.size();
     paths.rays.assign(rays.begin(), rays.end());
-    paths.throughput = run.buffers.copy<Vec3>("throughput", n);
-    paths.radiance = run.buffers.copy<Vec3>("radiance", n);
-    paths.flags = run.buffers.copy<std::uint32_t>("flags", n);
-    paths.depth = run.buffers.copy<std::uint32_t>("depth", n);
-    paths.pixel = run.buffers.copy<std::uint32_t>("pixel", n);
-    paths.sample = run.buffers.copy<std::uint32_t>("sample", n);
+    paths.throughput = run.buffers.copy(buffers::throughput, n);
+    paths.radiance = run.buffers.copy(buffers::radiance, n);
+    paths.flags = run.buffers.copy(buffers::flags, n);
+    paths.depth = run.buffers.copy(buffers::depth, n);
+    paths.pixel = run.buffers.copy(buffers::pixel, n);
+    paths.sample = run.buffers.copy(buffers::sample, n);
     const std::span<const Hit> hits =
         hits_of_scene(run.buffers, "path_hits", n, run.scene.triangle_count);
     const PathView view = paths.view();
@@ -111,28 +113,28 @@ void replay_scene_rays(ReplayStage& run) {
         scene_rays(ray, run.scene, reference::path_parameters(run.parameters), run.stage.bounce,
                    hits.data(), view);
     });
-    run.buffers.output("rays", paths.rays, "origin, t_min, direction, t_max");
-    run.buffers.output("throughput", paths.throughput, "importance of the path");
-    run.buffers.output("radiance", paths.radiance, "light gathered so far");
-    run.buffers.output("flags", paths.flags, "1 alive, 2 last scattering specular");
-    run.buffers.output("depth", paths.depth, "scatterings so far");
+    run.buffers.output(buffers::rays, paths.rays);
+    run.buffers.output(buffers::throughput, paths.throughput);
+    run.buffers.output(buffers::radiance, paths.radiance);
+    run.buffers.output(buffers::flags, paths.flags);
+    run.buffers.output(buffers::depth, paths.depth);
 }
 
 void replay_reconstruct_image(ReplayStage& run) {
     const BatchView batch = batch_of(run.parameters, run.stage);
     const auto radiance =
-        run.buffers.input<Vec3>("radiance", std::size_t{batch.pixels} * batch.samples);
-    std::vector<Vec3> image = run.buffers.copy<Vec3>(
-        "image", std::size_t{run.parameters.image_width} * run.parameters.image_height);
+        run.buffers.input(buffers::radiance, std::size_t{batch.pixels} * batch.samples);
+    std::vector<Vec3> image = run.buffers.copy(
+        buffers::image, std::size_t{run.parameters.image_width} * run.parameters.image_height);
     run.device.launch_per_item(batch.pixels, [&](std::uint32_t pixel) {
         reconstruct_image(pixel, batch, run.parameters.spp, radiance.data(), image.data());
     });
-    run.buffers.output("image", image, "radiance by pixel");
+    run.buffers.output(buffers::image, image);
 }
 
 void replay_filter(ReplayStage& run) {
     const auto pixels = run.parameters.image_width * run.parameters.image_height;
-    const std::span<const Vec3> image = run.buffers.input<Vec3>("image", pixels);
+    const std::span<const Vec3> image = run.buffers.input(buffers::image, pixels);
     std::vector<Vec3> filtered(pixels);
     const FilterView view{run.parameters.image_width, run.parameters.image_height, image.data(),
                           filtered.data()};
@@ -149,7 +151,7 @@ void replay_filter(ReplayStage& run) {
                 break;
         }
     });
-    run.buffers.output("filtered", filtered, "radiance by pixel");
+    run.buffers.output(buffers::filtered, filtered);
 }
 
 }  // namespace scotty::emulation

@@ -12,6 +12,8 @@
 
 namespace scotty::emulation {
 
+namespace buffers = reference::buffers;
+
 using reference::EarlyOut;
 using reference::GatheredHits;
 using reference::HitMode;
@@ -51,7 +53,7 @@ void launch_level(ReplayStage& run, std::uint32_t blocks, std::uint32_t grid_sid
 
 void replay_scan_counts(ReplayStage& run) {
     const LevelNodes nodes = nodes_of(run.bvh, run.stage);
-    const auto counts = run.buffers.input<std::uint32_t>("node_counts", nodes.count);
+    const auto counts = run.buffers.input(buffers::node_counts, nodes.count);
     std::vector<std::uint32_t> parents(nodes.child_count);
     for (std::uint32_t child = 0; child < nodes.child_count; ++child) {
         parents[child] = run.bvh.parents[nodes.first_child + child] - nodes.first;
@@ -66,8 +68,8 @@ void replay_scan_counts(ReplayStage& run) {
                         block_offsets.data(),
                         child_offsets.data()};
     run.device.launch(1, kScanThreads, [&](const Block& block) { scan_counts(block, view); });
-    run.buffers.output("block_offsets", block_offsets, "first block by node");
-    run.buffers.output("child_offsets", child_offsets, "first queue slot by child node");
+    run.buffers.output(buffers::block_offsets, block_offsets);
+    run.buffers.output(buffers::child_offsets, child_offsets);
 }
 
 void replay_intersect(ReplayStage& run) {
@@ -78,8 +80,8 @@ void replay_intersect(ReplayStage& run) {
     std::uint32_t hits_needed = 0;
     const EarlyOut policy = run.parameters.early_out;
     std::vector<float> minimum, lowered;
-    if (policy != EarlyOut::off) minimum = run.buffers.copy<float>("minimum", n);
-    if (policy == EarlyOut::level) lowered = run.buffers.copy<float>("lowered", n);
+    if (policy != EarlyOut::off) minimum = run.buffers.copy(buffers::minimum, n);
+    if (policy == EarlyOut::level) lowered = run.buffers.copy(buffers::lowered, n);
     const bool any = run.stage.light != reference::kNotApplicable &&
                      run.parameters.shadow_query == reference::ShadowQuery::any;
     const MinimumView minimum_view{policy, any, minimum.data(),
@@ -120,33 +122,33 @@ void replay_intersect(ReplayStage& run) {
             launch_level<16>(run, blocks, side, in, level, hit_view, minimum_view);
             break;
     }
-    run.buffers.output("child_counts", child_counts, "queue length by child");
-    run.buffers.output("child_queue", child_queue, "ray ids");
+    run.buffers.output(buffers::child_counts, child_counts);
+    run.buffers.output(buffers::child_queue, child_queue);
     if (run.parameters.hit_mode == HitMode::packed) {
-        run.buffers.output("packed_hits", hits.packed, "t bits << 32 | primitive");
+        run.buffers.output(buffers::packed_hits, hits.packed);
     } else {
-        run.buffers.output("hit_counts", hits.counts, "hits gathered by ray");
-        run.buffers.output("hits", hits.candidates, "t, primitive");
+        run.buffers.output(buffers::hit_counts, hits.counts);
+        run.buffers.output(buffers::hits, hits.candidates);
         run.buffers.shape_last({n, hits.capacity, 2});
     }
     if (policy == EarlyOut::level) {
-        run.buffers.output("lowered", lowered, "nearest distance found by ray");
+        run.buffers.output(buffers::lowered, lowered);
     } else if (policy == EarlyOut::immediate) {
-        run.buffers.output("minimum", minimum, "nearest distance that culls");
+        run.buffers.output(buffers::minimum, minimum);
     }
 }
 
 void replay_publish_minimum(ReplayStage& run) {
-    const std::span<const float> lowered = run.buffers.input<float>("lowered");
+    const std::span<const float> lowered = run.buffers.input(buffers::lowered);
     std::vector<float> minimum(lowered.size());
     run.device.launch_per_item(static_cast<std::uint32_t>(lowered.size()), [&](std::uint32_t ray) {
         publish_minimum(ray, lowered.data(), minimum.data());
     });
-    run.buffers.output("minimum", minimum, "nearest distance that the next level reads");
+    run.buffers.output(buffers::minimum, minimum);
 }
 
 void replay_merge_intersections(ReplayStage& run) {
-    const std::span<const Ray> rays = run.buffers.input<Ray>("rays");
+    const std::span<const Ray> rays = run.buffers.input(buffers::rays);
     GatheredHits hits = gathered_hits(run.buffers, run.parameters, rays.size());
     std::uint32_t hits_needed = 0;
     const HitView view = view_of_hits(hits, run.parameters.hit_mode, hits_needed);
@@ -155,7 +157,7 @@ void replay_merge_intersections(ReplayStage& run) {
     run.device.launch_per_item(static_cast<std::uint32_t>(rays.size()), [&](std::uint32_t ray) {
         merge_intersections(ray, run.scene, rays.data(), view, merged.data());
     });
-    run.buffers.output("merged", merged, "closest hit: t, primitive, u, v");
+    run.buffers.output(buffers::merged, merged);
 }
 
 }  // namespace scotty::emulation

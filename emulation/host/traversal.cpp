@@ -148,10 +148,9 @@ void Traversal::scan(const StagePlace& place) {
     });
     if (log_.wants(StageKind::scan_counts)) {
         StageView stage = log_.stage(StageKind::scan_counts, place, 1, kScanThreads);
-        stage.inputs = {buffer_view("node_counts", node_counts_.view(), "queue length by node")};
-        stage.outputs = {
-            buffer_view("block_offsets", block_offsets_.view(), "first block by node"),
-            buffer_view("child_offsets", child_offsets_.view(), "first queue slot by child node")};
+        stage.inputs = {buffer_view(reference::buffers::node_counts, node_counts_.view())};
+        stage.outputs = {buffer_view(reference::buffers::block_offsets, block_offsets_.view()),
+                         buffer_view(reference::buffers::child_offsets, child_offsets_.view())};
         log_.show(stage);
     }
 }
@@ -227,9 +226,8 @@ void Traversal::publish_minimum(const StagePlace& place) {
     });
     if (log_.wants(StageKind::publish_minimum)) {
         StageView stage = log_.stage(StageKind::publish_minimum, place, (count + 255) / 256, 256);
-        stage.inputs = {buffer_view("lowered", lowered_.view(), "nearest distance found by ray")};
-        stage.outputs = {
-            buffer_view("minimum", minimum_.view(), "nearest distance that the next level reads")};
+        stage.inputs = {buffer_view(reference::buffers::lowered, lowered_.view())};
+        stage.outputs = {buffer_view(reference::buffers::minimum, minimum_.view())};
         log_.show(stage);
     }
 }
@@ -265,10 +263,10 @@ void Traversal::merge(const StagePlace& place, std::span<reference::Hit> merged)
     if (log_.wants(StageKind::merge_intersections)) {
         StageView stage =
             log_.stage(StageKind::merge_intersections, place, (count + 255) / 256, 256);
-        stage.inputs = {buffer_view("rays", rays_, "origin, t_min, direction, t_max")};
+        stage.inputs = {buffer_view(reference::buffers::rays, rays_)};
         show_hits(stage, true);
-        stage.outputs = {buffer_view("merged", std::span<const reference::Hit>(merged),
-                                     "closest hit: t, primitive, u, v")};
+        stage.outputs = {
+            buffer_view(reference::buffers::merged, std::span<const reference::Hit>(merged))};
         log_.show(stage);
     }
 }
@@ -276,11 +274,11 @@ void Traversal::merge(const StagePlace& place, std::span<reference::Hit> merged)
 void Traversal::show_hits(StageView& stage, bool as_input) const {
     auto& buffers = as_input ? stage.inputs : stage.outputs;
     if (parameters_.hit_mode == HitMode::packed) {
-        buffers.push_back(buffer_view("packed_hits", packed_.view(), "t bits << 32 | primitive"));
+        buffers.push_back(buffer_view(reference::buffers::packed_hits, packed_.view()));
         return;
     }
-    buffers.push_back(buffer_view("hit_counts", hit_counts_.view(), "hits gathered by ray"));
-    reference::BufferView candidates = buffer_view("hits", candidates_.view(), "t, primitive");
+    buffers.push_back(buffer_view(reference::buffers::hit_counts, hit_counts_.view()));
+    reference::BufferView candidates = buffer_view(reference::buffers::hits, candidates_.view());
     candidates.shape = {rays_.size(), hit_capacity_, 2};
     buffers.push_back(candidates);
 }
@@ -288,19 +286,18 @@ void Traversal::show_hits(StageView& stage, bool as_input) const {
 void Traversal::show_level(const StagePlace& place, StageKind kind, std::uint32_t blocks) {
     StageView stage =
         log_.stage(kind, place, blocks, static_cast<std::uint32_t>(parameters_.rays_per_block));
-    stage.inputs = {
-        buffer_view("rays", rays_, "origin, t_min, direction, t_max"),
-        buffer_view("node_counts", node_counts_.view(), "queue length by node"),
-        buffer_view("queue_offsets", queue_offsets_.view(), "first queue slot by node"),
-        buffer_view("block_offsets", block_offsets_.view(), "first block by node"),
-        buffer_view("child_offsets", child_offsets_.view(), "first queue slot by child node")};
-    if (place.level > 0) stage.inputs.push_back(buffer_view("queue", queue_.view(), "ray ids"));
+    stage.inputs = {buffer_view(reference::buffers::rays, rays_),
+                    buffer_view(reference::buffers::node_counts, node_counts_.view()),
+                    buffer_view(reference::buffers::queue_offsets, queue_offsets_.view()),
+                    buffer_view(reference::buffers::block_offsets, block_offsets_.view()),
+                    buffer_view(reference::buffers::child_offsets, child_offsets_.view())};
+    if (place.level > 0)
+        stage.inputs.push_back(buffer_view(reference::buffers::queue, queue_.view()));
     if (parameters_.early_out != EarlyOut::off) {
-        stage.inputs.push_back(
-            buffer_view("minimum", minimum_.view(), "nearest distance that culls"));
+        stage.inputs.push_back(buffer_view(reference::buffers::minimum, minimum_.view()));
     }
-    stage.outputs = {buffer_view("child_counts", child_counts_.view(), "queue length by child"),
-                     buffer_view("child_queue", child_queue_.view(), "ray ids")};
+    stage.outputs = {buffer_view(reference::buffers::child_counts, child_counts_.view()),
+                     buffer_view(reference::buffers::child_queue, child_queue_.view())};
     show_hits(stage, false);
     log_.show(stage);
 }

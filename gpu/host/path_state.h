@@ -29,27 +29,26 @@ struct PathState {
           image(budget),
           filtered(budget) {}
 
-    /// Calls f(name, meaning, buffer) for every buffer that is indexed by ray id.
+    /// Calls f(name, buffer) for every buffer that is indexed by ray id.
     template <class F>
     void for_each_by_ray(F&& f) {
-        f("rays", "origin, t_min, direction, t_max", rays);
-        f("shadow_rays", "origin, t_min, direction, t_max", shadow_rays);
-        f("throughput", "importance of the path", throughput);
-        f("radiance", "light gathered so far", radiance);
-        f("potential", "light if the shadow ray is free", potential);
-        f("pixel", "y * width + x", pixel);
-        f("sample", "sample of the pixel", sample);
-        f("depth", "scatterings so far", depth);
-        f("flags", "1 alive, 2 last scattering specular", flags);
-        f("path_hits", "t, primitive, u, v", path_hits);
-        f("shadow_hits", "t, primitive, u, v", shadow_hits);
+        f("rays", rays);
+        f("shadow_rays", shadow_rays);
+        f("throughput", throughput);
+        f("radiance", radiance);
+        f("potential", potential);
+        f("pixel", pixel);
+        f("sample", sample);
+        f("depth", depth);
+        f("flags", flags);
+        f("path_hits", path_hits);
+        f("shadow_hits", shadow_hits);
     }
     void resize(std::uint32_t count) {
-        for_each_by_ray(
-            [&](const char* name, const char*, auto& buffer) { buffer.resize(count, name); });
+        for_each_by_ray([&](const char* name, auto& buffer) { buffer.resize(count, name); });
     }
     void release() {
-        for_each_by_ray([](const char*, const char*, auto& buffer) { buffer.release(); });
+        for_each_by_ray([](const char*, auto& buffer) { buffer.release(); });
         image.release();
         filtered.release();
     }
@@ -73,22 +72,22 @@ class HostPathState {
 
     reference::BufferView view(const char* wanted) {
         reference::BufferView result;
-        const auto copy = [&](const char* name, const char* meaning, auto& buffer) {
-            if (std::strcmp(name, wanted) == 0) result = copied(name, meaning, buffer);
+        const auto copy = [&](const char* name, auto& buffer) {
+            if (std::strcmp(name, wanted) == 0) result = copied(name, buffer);
         };
         device_.for_each_by_ray(copy);
-        copy("image", "radiance by pixel", device_.image);
-        copy("filtered", "radiance by pixel", device_.filtered);
+        copy("image", device_.image);
+        copy("filtered", device_.filtered);
         return result;
     }
 
  private:
     template <class T>
-    reference::BufferView copied(const char* name, const char* meaning,
-                                 const DeviceMemory<T>& buffer) {
+    reference::BufferView copied(const char* name, const DeviceMemory<T>& buffer) {
         auto host = std::make_shared<std::vector<T>>(download(buffer.data(), buffer.size(), name));
         kept_.push_back(host);
-        return reference::buffer_view(name, std::span<const T>(*host), meaning);
+        return reference::buffer_view(name, std::span<const T>(*host),
+                                      reference::buffer_info(name).meaning);
     }
 
     PathState& device_;

@@ -94,9 +94,10 @@ class StageRun {
         return array;
     }
     template <class T>
-    void output(const char* name, const Array<T>& array, const char* meaning) {
+    void output(const char* name, const Array<T>& array) {
         check(cudaDeviceSynchronize(), "running " + stage_.name);
-        buffers_.output(name, download(array.data(), array.size(), name), meaning);
+        buffers_.output(name, download(array.data(), array.size(), name),
+                        reference::buffer_info(name).meaning);
     }
     void launched() { check(cudaGetLastError(), "launching " + stage_.name); }
 
@@ -207,14 +208,14 @@ void StageRun::primary() {
     SCOTTY_LAUNCH(primary_rays, item_blocks(view.pixels), kItemThreads, nullptr, view,
                   scene_.view().camera, path_, paths);
     launched();
-    output("rays", rays, "origin, t_min, direction, t_max");
-    output("throughput", throughput, "importance of the path");
-    output("radiance", radiance, "light gathered so far");
-    output("potential", potential, "light if the shadow ray is free");
-    output("pixel", pixel, "y * width + x");
-    output("sample", sample, "sample of the pixel");
-    output("depth", depth, "scatterings so far");
-    output("flags", flags, "1 alive, 2 last scattering specular");
+    output("rays", rays);
+    output("throughput", throughput);
+    output("radiance", radiance);
+    output("potential", potential);
+    output("pixel", pixel);
+    output("sample", sample);
+    output("depth", depth);
+    output("flags", flags);
 }
 
 void StageRun::scan() {
@@ -240,8 +241,8 @@ void StageRun::scan() {
     SCOTTY_LAUNCH(scan_counts, blocks, kScanThreads, nullptr, view,
                   static_cast<std::uint32_t>(parameters_.rays_per_block));
     launched();
-    output("block_offsets", block_offsets, "first block by node");
-    output("child_offsets", child_offsets, "first queue slot by child node");
+    output("block_offsets", block_offsets);
+    output("child_offsets", child_offsets);
 }
 
 void StageRun::level() {
@@ -302,19 +303,19 @@ void StageRun::level() {
             launch_level<16>(view, rays, hits.view, minimum_view, blocks);
             break;
     }
-    output("child_counts", child_counts, "queue length by child");
-    output("child_queue", child_queue, "ray ids");
+    output("child_counts", child_counts);
+    output("child_queue", child_queue);
     if (parameters_.hit_mode == HitMode::packed) {
-        output("packed_hits", hits.packed, "t bits << 32 | primitive");
+        output("packed_hits", hits.packed);
     } else {
-        output("hit_counts", hits.counts, "hits gathered by ray");
-        output("hits", hits.candidates, "t, primitive");
+        output("hit_counts", hits.counts);
+        output("hits", hits.candidates);
         buffers_.shape_last({n, gathered.capacity, 2});
     }
     if (policy == EarlyOut::level) {
-        output("lowered", lowered, "nearest distance found by ray");
+        output("lowered", lowered);
     } else if (policy == EarlyOut::immediate) {
-        output("minimum", minimum, "nearest distance that culls");
+        output("minimum", minimum);
     }
 }
 
@@ -345,7 +346,7 @@ void StageRun::publish() {
     SCOTTY_LAUNCH(publish_minimum, item_blocks(lowered.size()), kItemThreads, nullptr,
                   static_cast<std::uint32_t>(lowered.size()), lowered.data(), minimum.data());
     launched();
-    output("minimum", minimum, "nearest distance that the next level reads");
+    output("minimum", minimum);
 }
 
 void StageRun::merge() {
@@ -358,7 +359,7 @@ void StageRun::merge() {
                   static_cast<std::uint32_t>(rays.size()), scene_.view(), rays.data(), hits.view,
                   merged.data());
     launched();
-    output("merged", merged, "closest hit: t, primitive, u, v");
+    output("merged", merged);
 }
 
 void StageRun::direct_light() {
@@ -377,8 +378,8 @@ void StageRun::direct_light() {
                   static_cast<std::uint32_t>(n), scene_.view(), path_, stage_.bounce, stage_.light,
                   paths, hits.data(), shadow_rays.data());
     launched();
-    output("shadow_rays", shadow_rays, "origin, t_min, direction, t_max");
-    output("potential", potential, "light if the shadow ray is free");
+    output("shadow_rays", shadow_rays);
+    output("potential", potential);
 }
 
 void StageRun::resolve() {
@@ -393,7 +394,7 @@ void StageRun::resolve() {
     SCOTTY_LAUNCH(resolve_light, item_blocks(n), kItemThreads, nullptr,
                   static_cast<std::uint32_t>(n), shadow_rays.data(), hits.data(), paths);
     launched();
-    output("radiance", radiance, "light gathered so far");
+    output("radiance", radiance);
 }
 
 void StageRun::scatter() {
@@ -411,11 +412,11 @@ void StageRun::scatter() {
     SCOTTY_LAUNCH(scene_rays, item_blocks(n), kItemThreads, nullptr, static_cast<std::uint32_t>(n),
                   scene_.view(), path_, stage_.bounce, hits.data(), paths);
     launched();
-    output("rays", rays, "origin, t_min, direction, t_max");
-    output("throughput", throughput, "importance of the path");
-    output("radiance", radiance, "light gathered so far");
-    output("flags", flags, "1 alive, 2 last scattering specular");
-    output("depth", depth, "scatterings so far");
+    output("rays", rays);
+    output("throughput", throughput);
+    output("radiance", radiance);
+    output("flags", flags);
+    output("depth", depth);
 }
 
 void StageRun::reconstruct() {
@@ -426,7 +427,7 @@ void StageRun::reconstruct() {
     SCOTTY_LAUNCH(reconstruct_image, item_blocks(view.pixels), kItemThreads, nullptr, view,
                   parameters_.spp, radiance.data(), image.data());
     launched();
-    output("image", image, "radiance by pixel");
+    output("image", image);
 }
 
 void StageRun::filter() {
@@ -447,7 +448,7 @@ void StageRun::filter() {
             break;
     }
     launched();
-    output("filtered", filtered, "radiance by pixel");
+    output("filtered", filtered);
 }
 
 }  // namespace

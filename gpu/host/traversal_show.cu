@@ -9,6 +9,7 @@
 
 namespace SCOTTY_DEVICE_NAMESPACE {
 
+namespace buffers = reference::buffers;
 using reference::buffer_view;
 using reference::EarlyOut;
 using reference::HitMode;
@@ -35,12 +36,9 @@ void Traversal::show_scan(const StagePlace& place, const LevelView& level) {
         download(level.child_offsets, level.child_node_count + 1, "child_offsets");
     StageView stage =
         log_.stage(StageKind::scan_counts, place, scan_blocks_of(place.level), kScanThreads);
-    stage.inputs = {
-        buffer_view("node_counts", std::span<const std::uint32_t>(counts), "queue length by node")};
-    stage.outputs = {
-        buffer_view("block_offsets", std::span<const std::uint32_t>(blocks), "first block by node"),
-        buffer_view("child_offsets", std::span<const std::uint32_t>(children),
-                    "first queue slot by child node")};
+    stage.inputs = {buffer_view(buffers::node_counts, std::span<const std::uint32_t>(counts))};
+    stage.outputs = {buffer_view(buffers::block_offsets, std::span<const std::uint32_t>(blocks)),
+                     buffer_view(buffers::child_offsets, std::span<const std::uint32_t>(children))};
     log_.show(stage);
 }
 
@@ -59,47 +57,42 @@ void Traversal::show_level(const StagePlace& place, const LevelView& level) {
     const StageKind kind = place.level == 0 ? StageKind::intersect_root : StageKind::intersect;
     StageView stage = log_.stage(kind, place, blocks.back(),
                                  static_cast<std::uint32_t>(parameters_.rays_per_block));
-    stage.inputs = {buffer_view("rays", std::span<const reference::Ray>(rays),
-                                "origin, t_min, direction, t_max"),
-                    buffer_view("node_counts", counts, "queue length by node")};
+    stage.inputs = {buffer_view(buffers::rays, std::span<const reference::Ray>(rays)),
+                    buffer_view(buffers::node_counts, counts)};
     std::vector<std::uint32_t> queue_offsets{0, count_};
     std::vector<std::uint32_t> queue;
     if (place.level > 0) {
         queue_offsets = download(level.queue_offsets, level.node_count + 1, "queue_offsets");
         queue = download(level.queue, queue_offsets.back(), "queue");
     }
-    stage.inputs.push_back(buffer_view("queue_offsets",
-                                       std::span<const std::uint32_t>(queue_offsets),
-                                       "first queue slot by node"));
-    stage.inputs.push_back(buffer_view("block_offsets", blocks, "first block by node"));
     stage.inputs.push_back(
-        buffer_view("child_offsets", child_offsets, "first queue slot by child node"));
+        buffer_view(buffers::queue_offsets, std::span<const std::uint32_t>(queue_offsets)));
+    stage.inputs.push_back(buffer_view(buffers::block_offsets, blocks));
+    stage.inputs.push_back(buffer_view(buffers::child_offsets, child_offsets));
     if (place.level > 0) {
-        stage.inputs.push_back(
-            buffer_view("queue", std::span<const std::uint32_t>(queue), "ray ids"));
+        stage.inputs.push_back(buffer_view(buffers::queue, std::span<const std::uint32_t>(queue)));
     }
     std::vector<float> minimum;
     if (culls()) {
         minimum = download(minimum_.data(), count_, "minimum");
-        stage.inputs.push_back(
-            buffer_view("minimum", std::span<const float>(minimum), "nearest distance that culls"));
+        stage.inputs.push_back(buffer_view(buffers::minimum, std::span<const float>(minimum)));
     }
-    stage.outputs = {buffer_view("child_counts", child_counts, "queue length by child"),
-                     buffer_view("child_queue", child_queue, "ray ids")};
+    stage.outputs = {buffer_view(buffers::child_counts, child_counts),
+                     buffer_view(buffers::child_queue, child_queue)};
     std::vector<std::uint64_t> packed;
     std::vector<std::uint32_t> hit_counts;
     std::vector<reference::HitCandidate> candidates;
     if (parameters_.hit_mode == HitMode::packed) {
         packed = download(packed_.data(), count_, "packed_hits");
-        stage.outputs.push_back(buffer_view("packed_hits", std::span<const std::uint64_t>(packed),
-                                            "t bits << 32 | primitive"));
+        stage.outputs.push_back(
+            buffer_view(buffers::packed_hits, std::span<const std::uint64_t>(packed)));
     } else {
         hit_counts = download(hit_counts_.data(), count_, "hit_counts");
         candidates = download(candidates_.data(), std::size_t{count_} * hit_capacity_, "hits");
-        stage.outputs.push_back(buffer_view(
-            "hit_counts", std::span<const std::uint32_t>(hit_counts), "hits gathered by ray"));
-        stage.outputs.push_back(buffer_view(
-            "hits", std::span<const reference::HitCandidate>(candidates), "t, primitive"));
+        stage.outputs.push_back(
+            buffer_view(buffers::hit_counts, std::span<const std::uint32_t>(hit_counts)));
+        stage.outputs.push_back(
+            buffer_view(buffers::hits, std::span<const reference::HitCandidate>(candidates)));
         stage.outputs.back().shape = {count_, hit_capacity_, 2};
     }
     log_.show(stage);
@@ -110,10 +103,8 @@ void Traversal::show_publish(const StagePlace& place) {
     const auto minimum = download(minimum_.data(), count_, "minimum");
     StageView stage =
         log_.stage(StageKind::publish_minimum, place, item_blocks(count_), kItemThreads);
-    stage.inputs = {
-        buffer_view("lowered", std::span<const float>(lowered), "nearest distance found by ray")};
-    stage.outputs = {buffer_view("minimum", std::span<const float>(minimum),
-                                 "nearest distance that the next level reads")};
+    stage.inputs = {buffer_view(buffers::lowered, std::span<const float>(lowered))};
+    stage.outputs = {buffer_view(buffers::minimum, std::span<const float>(minimum))};
     log_.show(stage);
 }
 
@@ -122,26 +113,24 @@ void Traversal::show_merge(const StagePlace& place, const reference::Hit* merged
     const auto hits = download(merged, count_, "merged");
     StageView stage =
         log_.stage(StageKind::merge_intersections, place, item_blocks(count_), kItemThreads);
-    stage.inputs = {buffer_view("rays", std::span<const reference::Ray>(rays),
-                                "origin, t_min, direction, t_max")};
+    stage.inputs = {buffer_view(buffers::rays, std::span<const reference::Ray>(rays))};
     std::vector<std::uint64_t> packed;
     std::vector<std::uint32_t> counts;
     std::vector<reference::HitCandidate> candidates;
     if (parameters_.hit_mode == HitMode::packed) {
         packed = download(packed_.data(), count_, "packed_hits");
-        stage.inputs.push_back(buffer_view("packed_hits", std::span<const std::uint64_t>(packed),
-                                           "t bits << 32 | primitive"));
+        stage.inputs.push_back(
+            buffer_view(buffers::packed_hits, std::span<const std::uint64_t>(packed)));
     } else {
         counts = download(hit_counts_.data(), count_, "hit_counts");
         candidates = download(candidates_.data(), std::size_t{count_} * hit_capacity_, "hits");
-        stage.inputs.push_back(buffer_view("hit_counts", std::span<const std::uint32_t>(counts),
-                                           "hits gathered by ray"));
-        stage.inputs.push_back(buffer_view(
-            "hits", std::span<const reference::HitCandidate>(candidates), "t, primitive"));
+        stage.inputs.push_back(
+            buffer_view(buffers::hit_counts, std::span<const std::uint32_t>(counts)));
+        stage.inputs.push_back(
+            buffer_view(buffers::hits, std::span<const reference::HitCandidate>(candidates)));
         stage.inputs.back().shape = {count_, hit_capacity_, 2};
     }
-    stage.outputs = {buffer_view("merged", std::span<const reference::Hit>(hits),
-                                 "closest hit: t, primitive, u, v")};
+    stage.outputs = {buffer_view(buffers::merged, std::span<const reference::Hit>(hits))};
     log_.show(stage);
 }
 

@@ -94,10 +94,10 @@ LevelNodes nodes_of(const WideBvh& bvh, const StageView& stage) {
 LevelInput level_input(const StageBuffers& buffers, const LevelNodes& nodes,
                        const PipelineParameters& parameters, const StageView& stage) {
     LevelInput in;
-    in.rays = buffers.input<Ray>("rays");
-    in.node_counts = buffers.input<std::uint32_t>("node_counts", nodes.count);
-    in.block_offsets = buffers.input<std::uint32_t>("block_offsets", nodes.count + 1);
-    in.child_offsets = buffers.input<std::uint32_t>("child_offsets", nodes.child_count + 1);
+    in.rays = buffers.input(reference::buffers::rays);
+    in.node_counts = buffers.input(reference::buffers::node_counts, nodes.count);
+    in.block_offsets = buffers.input(reference::buffers::block_offsets, nodes.count + 1);
+    in.child_offsets = buffers.input(reference::buffers::child_offsets, nodes.child_count + 1);
     expect_rising(buffers, "child_offsets", in.child_offsets);
     expect_blocks(buffers, in, static_cast<std::uint32_t>(parameters.rays_per_block));
     if (stage.level == 0) {
@@ -107,8 +107,8 @@ LevelInput level_input(const StageBuffers& buffers, const LevelNodes& nodes,
         }
         return in;
     }
-    in.queue_offsets = buffers.input<std::uint32_t>("queue_offsets", nodes.count + 1);
-    in.queue = buffers.input<std::uint32_t>("queue");
+    in.queue_offsets = buffers.input(reference::buffers::queue_offsets, nodes.count + 1);
+    in.queue = buffers.input(reference::buffers::queue);
     expect_queues(buffers, in);
     return in;
 }
@@ -117,11 +117,11 @@ GatheredHits gathered_hits(const StageBuffers& buffers, const PipelineParameters
                            std::size_t rays) {
     GatheredHits hits;
     if (parameters.hit_mode == HitMode::packed) {
-        hits.packed = buffers.copy<std::uint64_t>("packed_hits", rays);
+        hits.packed = buffers.copy(reference::buffers::packed_hits, rays);
         return hits;
     }
-    hits.counts = buffers.copy<std::uint32_t>("hit_counts", rays);
-    const auto candidates = buffers.input<HitCandidate>("hits");
+    hits.counts = buffers.copy(reference::buffers::hit_counts, rays);
+    const auto candidates = buffers.input(reference::buffers::hits);
     if (rays == 0 || candidates.size() % rays != 0) {
         buffers.fail("hits", fmt::format("expected the same number of slots for each of {} "
                                          "rays, found {} slots",

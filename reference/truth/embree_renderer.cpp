@@ -69,9 +69,8 @@ void show_batch(StageObserver& observer, std::uint32_t number, const BatchView& 
     stage.name = stage_name(stage.kind, number, kNotApplicable, kNotApplicable, kNotApplicable,
                             /*several_batches=*/true);
     stage.launch = stage.batch = number;
-    stage.inputs = {buffer_view("pixel", std::span<const std::uint32_t>(pixel), "y * width + x")};
-    stage.outputs = {
-        buffer_view("image", std::span<const Vec3>(image.pixels), "radiance by pixel")};
+    stage.inputs = {buffer_view(reference::buffers::pixel, std::span<const std::uint32_t>(pixel))};
+    stage.outputs = {buffer_view(reference::buffers::image, std::span<const Vec3>(image.pixels))};
     observer.on_stage(stage);
 }
 

@@ -58,32 +58,6 @@ AnalysisSeries by_level(const RenderRounds& rounds, bool primary_only) {
     return series;
 }
 
-const char* stage_label(StageKind kind) {
-    switch (kind) {
-        case StageKind::intersect_root:
-        case StageKind::intersect:
-            return "traversal";
-        case StageKind::scan_counts:
-            return "scans";
-        case StageKind::publish_minimum:
-            return "publish minimum";
-        case StageKind::merge_intersections:
-            return "merge";
-        case StageKind::direct_light_rays:
-            return "direct-light rays";
-        case StageKind::resolve_light:
-            return "resolve light";
-        case StageKind::primary_rays:
-            return "primary rays";
-        case StageKind::scene_rays:
-            return "scene rays";
-        case StageKind::reconstruct_image:
-        case StageKind::filter:
-            return "image";
-    }
-    return "(invalid)";
-}
-
 }  // namespace
 
 AnalysisResult analyze_bounces(const AnalysisSettings& settings, AnalysisRenders& renders) {
@@ -130,7 +104,7 @@ AnalysisResult analyze_stages(const AnalysisSettings& settings, AnalysisRenders&
     for (const char* label : {"traversal", "scans", "publish minimum", "merge", "direct-light rays",
                               "resolve light", "primary rays", "scene rays", "image"}) {
         const auto wanted = [&](const LaunchRecord& launch) {
-            return stage_label(launch.kind) == std::string_view(label);
+            return std::string_view(reference::stage_info(launch.kind).label) == label;
         };
         const auto& launches = rounds.launches.front();
         if (std::any_of(launches.begin(), launches.end(), wanted)) {

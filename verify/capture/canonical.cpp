@@ -76,16 +76,17 @@ void append(std::vector<std::byte>& bytes, T value) {
 }  // namespace
 
 Regions regions_of(const StageView& stage, const BufferView& buffer, bool output) {
-    const std::size_t size = buffer.bytes / sizeof(std::uint32_t);
-    if (buffer.name == "child_queue") {
-        return queue_regions(words(stage, "child_offsets", output),
-                             words(stage, "child_counts", output), size);
+    const reference::BufferInfo& info = reference::buffer_info(buffer.name);
+    switch (info.order) {
+        case reference::BufferOrder::ordered:
+            break;
+        case reference::BufferOrder::queue:
+            return queue_regions(words(stage, info.offsets->name, output),
+                                 words(stage, info.lengths->name, output),
+                                 buffer.bytes / sizeof(std::uint32_t));
+        case reference::BufferOrder::hit_list:
+            return hit_regions(words(stage, info.lengths->name, output), buffer);
     }
-    if (buffer.name == "queue") {
-        return queue_regions(words(stage, "queue_offsets", output),
-                             words(stage, "node_counts", output), size);
-    }
-    if (buffer.name == "hits") return hit_regions(words(stage, "hit_counts", output), buffer);
     return {};
 }
 

@@ -35,6 +35,11 @@ Value value_of(const std::string& where, const char* name, const std::string& wo
 
 constexpr std::array kElementTypes{ElementType::uint8, ElementType::uint32, ElementType::uint64,
                                    ElementType::float32};
+constexpr std::array<StageKind, reference::kStageKinds> kKinds = [] {
+    std::array<StageKind, reference::kStageKinds> kinds{};
+    for (std::size_t i = 0; i < kinds.size(); ++i) kinds[i] = reference::kStages[i].kind;
+    return kinds;
+}();
 constexpr std::array kOrders{BufferOrder::ordered, BufferOrder::queue, BufferOrder::hit_list};
 
 json place_json(std::uint32_t number) {
@@ -117,8 +122,7 @@ StageRecord parse_stage(const std::string& file, std::size_t index, const json& 
     const std::string number = fmt::format("{}: stages[{}]", file, index);
     stage.name = text_member(number, object, "name");
     const std::string where = fmt::format("{} ({})", number, stage.name);
-    stage.kind =
-        value_of<StageKind>(where, "kind", text_member(where, object, "kind"), all_stage_kinds());
+    stage.kind = value_of<StageKind>(where, "kind", text_member(where, object, "kind"), kKinds);
     stage.launch = number_member(where, object, "launch");
     stage.batch = number_member(where, object, "batch");
     stage.bounce = place_member(where, object, "bounce");
@@ -150,21 +154,6 @@ const char* to_string(BufferOrder order) {
             return "hit_list";
     }
     return "(invalid)";
-}
-
-BufferOrder order_of(std::string_view buffer) {
-    if (buffer == "queue" || buffer == "child_queue") return BufferOrder::queue;
-    if (buffer == "hits") return BufferOrder::hit_list;
-    return BufferOrder::ordered;
-}
-
-const std::vector<StageKind>& all_stage_kinds() {
-    static const std::vector<StageKind> kinds{
-        StageKind::primary_rays,      StageKind::scan_counts,     StageKind::intersect_root,
-        StageKind::intersect,         StageKind::publish_minimum, StageKind::merge_intersections,
-        StageKind::direct_light_rays, StageKind::resolve_light,   StageKind::scene_rays,
-        StageKind::reconstruct_image, StageKind::filter};
-    return kinds;
 }
 
 const BufferRecord* StageRecord::input(std::string_view buffer) const {

@@ -21,8 +21,6 @@ inline constexpr const char* kInputFolder = "input";
 
 using reference::BufferOrder;
 const char* to_string(BufferOrder order);
-/// Of a buffer by its name.
-BufferOrder order_of(std::string_view buffer);
 
 struct BufferRecord {
     std::string name;
@@ -96,8 +94,5 @@ std::uint64_t unsigned_member(const std::string& where, const nlohmann::json& ob
 std::string text_member(const std::string& where, const nlohmann::json& object, const char* name);
 /// 16 hexadecimal digits.
 std::uint64_t hex_member(const std::string& where, const nlohmann::json& object, const char* name);
-
-/// Every stage kind, in declaration order.
-const std::vector<reference::StageKind>& all_stage_kinds();
 
 }  // namespace scotty::verify

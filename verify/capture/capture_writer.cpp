@@ -142,7 +142,7 @@ BufferRecord CaptureWriter::store(const StageView& stage, const BufferView& buff
     record.type = buffer.type;
     record.shape = buffer.shape;
     record.meaning = buffer.meaning;
-    record.order = order_of(buffer.name);
+    record.order = reference::buffer_info(buffer.name).order;
     record.hash = hash_text(data, buffer.bytes);
     record.canonical_hash = record.hash;
     if (!regions.regions.empty()) {

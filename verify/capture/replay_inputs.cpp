@@ -5,7 +5,6 @@
 #include <cstring>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "reference/base/error.h"
 #include "reference/contract/records.h"
@@ -14,12 +13,13 @@
 namespace scotty::verify {
 
 using reference::BufferView;
-using reference::EarlyOut;
 using reference::ElementType;
 using reference::Error;
 using reference::kNotApplicable;
 using reference::OwnedBuffer;
+using reference::Source;
 using reference::StageKind;
+using reference::StageNeed;
 
 namespace {
 
@@ -33,33 +33,8 @@ class Preparation {
           stage_(capture.load(record)) {}
 
     LoadedStage run() && {
-        switch (record_.kind) {
-            case StageKind::intersect_root:
-            case StageKind::intersect:
-                before_level();
-                break;
-            case StageKind::direct_light_rays:
-                take_from(name(StageKind::primary_rays, kNotApplicable, kNotApplicable),
-                          {"pixel", "sample"});
-                break;
-            case StageKind::resolve_light:
-                take_from(radiance_writer(record_.bounce, record_.light), {"radiance"});
-                break;
-            case StageKind::scene_rays:
-                take_from(name(StageKind::primary_rays, kNotApplicable, kNotApplicable),
-                          {"pixel", "sample"});
-                take_from(path_writer(record_.bounce), {"rays", "throughput", "flags", "depth"});
-                take_from(radiance_writer(record_.bounce, parameters_.light_samples), {"radiance"});
-                break;
-            case StageKind::reconstruct_image:
-                before_image();
-                break;
-            case StageKind::primary_rays:
-            case StageKind::scan_counts:
-            case StageKind::publish_minimum:
-            case StageKind::merge_intersections:
-            case StageKind::filter:
-                break;  // functions of what is in their records
+        for (const StageNeed& need : reference::stage_info(record_.kind).needs) {
+            if (applies(need.when, parameters_, record_.level)) supply(need);
         }
         return std::move(stage_);
     }
@@ -78,6 +53,38 @@ class Preparation {
     /// Who wrote the radiance last, before light sample `light` of that vertex.
     std::string radiance_writer(std::uint32_t bounce, std::uint32_t light) const {
         return light == 0 ? path_writer(bounce) : name(StageKind::resolve_light, bounce, light - 1);
+    }
+    std::string level_before() const {
+        const std::uint32_t level = record_.level - 1;
+        return name(level == 0 ? StageKind::intersect_root : StageKind::intersect, record_.bounce,
+                    record_.light, level);
+    }
+
+    void supply(const StageNeed& need) {
+        const std::string buffer(need.buffer->name);
+        switch (need.source) {
+            case Source::blank:
+                return blank(buffer);
+            case Source::minimum:
+                return copy_minimum_to_lowered();
+            case Source::level_before:
+                return take_from_level_before(buffer);
+            case Source::primary_rays:
+                return take_output(name(StageKind::primary_rays, kNotApplicable, kNotApplicable),
+                                   buffer);
+            case Source::vertex_before:
+                return take_output(path_writer(record_.bounce), buffer);
+            case Source::light_before:
+                return take_output(radiance_writer(record_.bounce, record_.light), buffer);
+            case Source::last_light:
+                return take_output(radiance_writer(record_.bounce, parameters_.light_samples),
+                                   buffer);
+            case Source::batch_before:
+                if (record_.batch == 0) return zeros(buffer);
+                return take_output(name(StageKind::reconstruct_image, kNotApplicable,
+                                        kNotApplicable, kNotApplicable, 1),
+                                   buffer);
+        }
     }
 
     const StageRecord& stage_named(const std::string& stage, const std::string& buffer) const {
@@ -100,9 +107,17 @@ class Preparation {
         replace_input(capture_.load(from, *buffer));
     }
 
-    void take_from(const std::string& stage, const std::vector<std::string>& buffers) {
-        const StageRecord& from = stage_named(stage, buffers.front());
-        for (const std::string& buffer : buffers) take(from, from.output(buffer), buffer);
+    void take_output(const std::string& stage, const std::string& buffer) {
+        const StageRecord& from = stage_named(stage, buffer);
+        take(from, from.output(buffer), buffer);
+    }
+
+    /// What a level shows is the minimum after its launch: the level before shows, among its
+    /// inputs, what this one began with.
+    void take_from_level_before(const std::string& buffer) {
+        const StageRecord& from = stage_named(level_before(), buffer);
+        const BufferRecord* output = from.output(buffer);
+        take(from, output != nullptr ? output : from.input(buffer), buffer);
     }
 
     void replace_input(OwnedBuffer buffer) {
@@ -111,53 +126,26 @@ class Preparation {
         stage_.add_input(std::move(buffer));
     }
 
-    void before_level() {
-        if (record_.level == 0) {
-            initial_hits();
-        } else {
-            const std::uint32_t level = record_.level - 1;
-            const std::string before =
-                name(level == 0 ? StageKind::intersect_root : StageKind::intersect, record_.bounce,
-                     record_.light, level);
-            if (parameters_.hit_mode == reference::HitMode::packed) {
-                take_from(before, {"packed_hits"});
-            } else {
-                take_from(before, {"hit_counts", "hits"});
-            }
-            if (parameters_.early_out == EarlyOut::immediate) {
-                // What a level shows is the minimum after its launch: the one before shows what
-                // this one began with.
-                const StageRecord& from = stage_named(before, "minimum");
-                take(from, from.input("minimum"), "minimum");
-            }
+    /// Nothing is known yet: each row holds what the table calls blank.
+    void blank(const std::string& wanted) {
+        const BufferRecord* like = record_.output(wanted);
+        if (like == nullptr) return;
+        OwnedBuffer buffer = like_record(*like);
+        const auto fields = reference::buffer_info(wanted).fields;
+        for (std::size_t i = 0; i < buffer.bytes.size() / sizeof(std::uint32_t); ++i) {
+            std::memcpy(buffer.bytes.data() + i * sizeof(std::uint32_t),
+                        &fields[i % fields.size()].blank, sizeof(std::uint32_t));
         }
-        if (parameters_.early_out == EarlyOut::level) copy_minimum_to_lowered();
+        replace_input(std::move(buffer));
     }
-
-    /// Nothing has been hit. Under `immediate` the root lowers nothing, so its minimum is as shown.
-    void initial_hits() {
-        if (const BufferRecord* packed = record_.output("packed_hits")) {
-            fill(*packed, [](std::byte* at, std::size_t bytes) { std::memset(at, 0xff, bytes); });
-        }
-        if (const BufferRecord* counts = record_.output("hit_counts")) {
-            fill(*counts, [](std::byte* at, std::size_t bytes) { std::memset(at, 0, bytes); });
-        }
-        if (const BufferRecord* hits = record_.output("hits")) {
-            fill(*hits, [](std::byte* at, std::size_t bytes) {
-                constexpr reference::HitCandidate kUnused{reference::kInfinity, reference::kNone};
-                for (std::size_t i = 0; i + sizeof kUnused <= bytes; i += sizeof kUnused) {
-                    std::memcpy(at + i, &kUnused, sizeof kUnused);
-                }
-            });
-        }
+    void zeros(const std::string& wanted) {
+        if (const BufferRecord* like = record_.output(wanted)) replace_input(like_record(*like));
     }
-
-    template <class Fill>
-    void fill(const BufferRecord& like, const Fill& fill_bytes) {
+    /// Of that type and shape, zero.
+    static OwnedBuffer like_record(const BufferRecord& like) {
         OwnedBuffer buffer{like.name, like.type, like.shape, like.meaning, {}};
         buffer.bytes.resize(element_count(like.shape) * size_of(like.type));
-        fill_bytes(buffer.bytes.data(), buffer.bytes.size());
-        replace_input(std::move(buffer));
+        return buffer;
     }
 
     /// Between levels all that was lowered has been published.
@@ -169,18 +157,6 @@ class Preparation {
             replace_input(std::move(lowered));
             return;
         }
-    }
-
-    void before_image() {
-        if (record_.batch > 0) {
-            take_from(name(StageKind::reconstruct_image, kNotApplicable, kNotApplicable,
-                           kNotApplicable, 1),
-                      {"image"});
-            return;
-        }
-        const BufferRecord* image = record_.output("image");
-        if (image == nullptr) return;
-        fill(*image, [](std::byte* at, std::size_t bytes) { std::memset(at, 0, bytes); });
     }
 
     const Capture& capture_;

@@ -45,7 +45,7 @@ int rank(const Comparison& comparison, std::string_view buffer, bool output) {
     if (!output) return 0;
     if (comparison.field == "shape") return 4;
     const bool counter = buffer == "child_counts" || buffer == "hit_counts";
-    return counter ? 3 : (order_of(buffer) == BufferOrder::ordered ? 2 : 1);
+    return counter ? 3 : (reference::buffer_info(buffer).order == BufferOrder::ordered ? 2 : 1);
 }
 
 const BufferView* find_in(const std::vector<BufferView>& buffers, std::string_view name) {

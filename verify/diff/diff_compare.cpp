@@ -168,7 +168,7 @@ Comparison compare_ordered(const BufferPair& pair) {
     Comparison out;
     if (pair.a.type != pair.b.type || pair.a.shape != pair.b.shape) return different_shape(pair);
     if (same_bytes(pair.a, pair.b)) return out;
-    const Layout& layout = layout_of(pair.a.name);
+    const reference::BufferInfo& layout = reference::buffer_info(pair.a.name);
     const std::size_t columns = layout.fields.size();
     out.verdict = Verdict::differs;
     const bool is_words = pair.a.bytes % sizeof(std::uint32_t) == 0;
@@ -226,7 +226,7 @@ Comparison compare_occlusion(const BufferPair& pair) {
 }
 
 Comparison compare(const BufferPair& pair) {
-    switch (order_of(pair.a.name)) {
+    switch (reference::buffer_info(pair.a.name).order) {
         case BufferOrder::queue:
             return compare_queues(pair);
         case BufferOrder::hit_list:

@@ -1,7 +1,6 @@
 /// Shared by the parts of the diff (diff*.cpp).
 #pragma once
 
-#include <cstring>
 #include <map>
 #include <memory>
 #include <optional>
@@ -12,36 +11,18 @@
 #include "reference/contract/wide_bvh.h"
 #include "verify/capture/canonical.h"
 #include "verify/capture/capture.h"
+#include "verify/capture/finite.h"
 #include "verify/diff/diff.h"
 
 namespace scotty::verify {
 
-/// What one row of a buffer stands for.
-enum class Row { ray, pixel, node, child_node, none };
-
-struct Field {
-    const char* name;
-    bool is_float;
-};
-/// How a buffer's elements are to be read: rows of fields.
-struct Layout {
-    Row row = Row::none;
-    std::vector<Field> fields{{"", false}};
-};
-/// By the buffer's name; an unknown one has rows of one number without meaning.
-const Layout& layout_of(std::string_view buffer);
+using reference::Field;
+using reference::Row;
 
 /// A value as reports show it: "0x3f800001 (1.00000012)".
 std::string value_text(std::uint32_t bits, bool is_float);
 /// Floats between two: 0 for equal ones, 1 for neighbours, +0 and -0 one apart. None with a NaN.
 std::optional<std::uint64_t> ulps_between(std::uint32_t a, std::uint32_t b);
-
-/// The 4-byte word at an index, as it lies there.
-inline std::uint32_t word_at(const reference::BufferView& buffer, std::size_t index) {
-    std::uint32_t word = 0;
-    std::memcpy(&word, static_cast<const std::byte*>(buffer.data) + 4 * index, sizeof word);
-    return word;
-}
 
 /// Two versions of one buffer.
 struct BufferPair {
@@ -72,7 +53,7 @@ Comparison compare_occlusion(const BufferPair& pair);
 /// Whichever of the above the buffer's order asks for.
 Comparison compare(const BufferPair& pair);
 
-/// What must be finite and is not; rules by buffer and field in diff_finite.cpp.
+/// What must be finite and is not; by the rules of verify/capture/finite.h.
 std::optional<NonFinite> find_non_finite(const reference::StageView& stage,
                                          const reference::BufferView& output);
 

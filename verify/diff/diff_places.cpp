@@ -73,7 +73,7 @@ void Places::fill(Divergence& out, const BufferPair& pair, const Comparison& fir
     const StageView& stage = pair.b_stage;
     const auto row = static_cast<std::uint32_t>(first.row);
     out.level = stage.level;
-    switch (layout_of(pair.a.name).row) {
+    switch (reference::buffer_info(pair.a.name).row) {
         case Row::ray:
             out.ray = row;
             break;
@@ -101,7 +101,7 @@ void Places::fill(Divergence& out, const BufferPair& pair, const Comparison& fir
     if (is_level_kernel(stage.kind)) {
         if (out.ray != kNotApplicable && out.node != kNotApplicable && bvh_ != nullptr &&
             out.node < bvh_->node_count()) {
-            const bool child = layout_of(pair.a.name).row == Row::child_node;
+            const bool child = reference::buffer_info(pair.a.name).row == Row::child_node;
             fill_thread(out, pair, child ? bvh_->parents[out.node] : out.node);
         } else if (first.entry_primitive != kNotApplicable) {
             out.node = leaf_node_of(first.entry_primitive);

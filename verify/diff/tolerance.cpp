@@ -10,16 +10,11 @@
 
 namespace scotty::verify {
 
+using reference::BufferInfo;
 using reference::BufferView;
+using reference::Tolerance;
 
 namespace {
-
-const Tolerance& tolerance_of(std::string_view buffer) {
-    static const Tolerance exact;
-    const auto found = std::find_if(tolerances().begin(), tolerances().end(),
-                                    [&](const Tolerance& t) { return t.buffer == buffer; });
-    return found == tolerances().end() ? exact : *found;
-}
 
 /// Few rows may fork even where the share of a short array rounds to none.
 std::uint64_t allowed(const Tolerance& tolerance, std::uint64_t rows) {
@@ -40,7 +35,7 @@ void close(Comparison& out, const Tolerance& tolerance, std::uint64_t rows) {
 }
 
 /// Largest finite magnitude of each field.
-std::vector<double> scales_of(const BufferView& buffer, const Layout& layout) {
+std::vector<double> scales_of(const BufferView& buffer, const BufferInfo& layout) {
     const std::size_t columns = layout.fields.size();
     std::vector<double> scales(columns, 0.0);
     for (std::size_t i = 0; i < buffer.bytes / 4; ++i) {
@@ -62,31 +57,24 @@ double error_between(std::uint32_t a, std::uint32_t b, bool is_float, double sca
     return magnitude == 0.0 ? 0.0 : std::abs(x - y) / magnitude;
 }
 
-/// Of a hit only t is judged: which of two coincident triangles it is on, and where, may change.
-bool is_judged(const BufferView& buffer, const Field& field) {
-    const bool hits = buffer.name == "merged" || buffer.name == "path_hits" ||
-                      buffer.name == "shadow_hits" || buffer.name == "packed_hits";
-    return !hits || std::string_view(field.name) == "t";
-}
-
-Comparison compare_rows(const BufferPair& pair, const Tolerance& tolerance) {
+Comparison compare_rows(const BufferPair& pair, const BufferInfo& layout) {
     Comparison out = compare_ordered(pair);
     if (out.verdict == Verdict::identical || out.field == "shape") return out;
-    const Layout& layout = layout_of(pair.a.name);
     const std::size_t columns = layout.fields.size();
     const std::vector<double> scales = scales_of(pair.a, layout);
     const std::size_t rows = pair.a.bytes / 4 / columns;
     out = {};
+    const std::string_view only = layout.tolerance.only;
     double worst = 0.0;
     for (std::size_t row = 0; row < rows; ++row) {
         bool beyond = false;
         for (std::size_t column = 0; column < columns; ++column) {
             const Field& field = layout.fields[column];
-            if (!is_judged(pair.a, field)) continue;
+            if (!only.empty() && field.name != only) continue;
             const std::uint32_t a = word_at(pair.a, row * columns + column);
             const std::uint32_t b = word_at(pair.b, row * columns + column);
             const double error = error_between(a, b, field.is_float, scales[column]);
-            if (error <= tolerance.relative) continue;
+            if (error <= layout.tolerance.relative) continue;
             beyond = true;
             if (error <= worst) continue;
             worst = error;
@@ -98,15 +86,15 @@ Comparison compare_rows(const BufferPair& pair, const Tolerance& tolerance) {
         }
         out.different += beyond ? 1 : 0;
     }
-    close(out, tolerance, rows);
+    close(out, layout.tolerance, rows);
     return out;
 }
 
 /// Lengths and offsets of queues: how many entries they disagree about.
-Comparison compare_lengths(const BufferPair& pair, const Tolerance& tolerance) {
+Comparison compare_lengths(const BufferPair& pair, const BufferInfo& info) {
     Comparison out = compare_ordered(pair);
     if (out.verdict == Verdict::identical || out.field == "shape") return out;
-    const bool offsets = pair.a.name.ends_with("offsets");
+    const bool offsets = info.content == reference::Content::offsets;
     const std::size_t rows = pair.a.bytes / 4;
     std::uint64_t total = 0;
     out.different = 0;
@@ -117,12 +105,12 @@ Comparison compare_lengths(const BufferPair& pair, const Tolerance& tolerance) {
         total = offsets ? std::max(total, a) : total + a;
         out.different = offsets ? std::max(out.different, gap) : out.different + gap;
     }
-    close(out, tolerance, total);
+    close(out, info.tolerance, total);
     return out;
 }
 
 /// Queues as sets by region; hit lists by number of hits, whose t is judged after the merge.
-Comparison compare_sets(const BufferPair& pair, const Tolerance& tolerance) {
+Comparison compare_sets(const BufferPair& pair, const BufferInfo& info) {
     const Regions a = regions_of(pair.a_stage, pair.a, pair.output);
     const Regions b = regions_of(pair.b_stage, pair.b, pair.output);
     Comparison out;
@@ -131,7 +119,7 @@ Comparison compare_sets(const BufferPair& pair, const Tolerance& tolerance) {
         const auto of_a = sorted_entries(pair.a, a, region);
         const auto of_b = sorted_entries(pair.b, b, region);
         total += of_a.size();
-        if (pair.a.name == "hits") {
+        if (info.order == reference::BufferOrder::hit_list) {
             out.different +=
                 of_a.size() > of_b.size() ? of_a.size() - of_b.size() : of_b.size() - of_a.size();
             continue;
@@ -145,33 +133,17 @@ Comparison compare_sets(const BufferPair& pair, const Tolerance& tolerance) {
         }
         out.different += only.size();
     }
-    close(out, tolerance, total);
+    close(out, info.tolerance, total);
     return out;
 }
 
 }  // namespace
 
-const std::vector<Tolerance>& tolerances() {
-    static const std::vector<Tolerance> table{
-        {"rays", 1e-3, 0.02},         {"shadow_rays", 1e-3, 0.02},  {"throughput", 1e-3, 0.02},
-        {"radiance", 1e-3, 0.02},     {"potential", 1e-3, 0.02},    {"image", 1e-3, 0.05},
-        {"filtered", 1e-3, 0.05},     {"path_hits", 1e-3, 0.02},    {"shadow_hits", 1e-3, 0.02},
-        {"merged", 1e-3, 0.02},       {"minimum", 1e-3, 0.02},      {"lowered", 1e-3, 0.02},
-        {"packed_hits", 1e-3, 0.02},  {"hits", 0.0, 0.02},          {"hit_counts", 0.0, 0.02},
-        {"depth", 0.0, 0.02},         {"flags", 0.0, 0.02},         {"node_counts", 0.0, 0.02},
-        {"child_counts", 0.0, 0.02},  {"queue", 0.0, 0.02},         {"child_queue", 0.0, 0.02},
-        {"queue_offsets", 0.0, 0.02}, {"child_offsets", 0.0, 0.02}, {"block_offsets", 0.0, 0.02},
-        {"pixel", 0.0, 0.0},          {"sample", 0.0, 0.0},
-    };
-    return table;
-}
-
 Comparison compare_within_tolerance(const BufferPair& pair) {
-    const Tolerance& tolerance = tolerance_of(pair.a.name);
-    if (order_of(pair.a.name) != BufferOrder::ordered) return compare_sets(pair, tolerance);
-    const Row row = layout_of(pair.a.name).row;
-    if (row == Row::node || row == Row::child_node) return compare_lengths(pair, tolerance);
-    return compare_rows(pair, tolerance);
+    const reference::BufferInfo& info = reference::buffer_info(pair.a.name);
+    if (info.order != reference::BufferOrder::ordered) return compare_sets(pair, info);
+    if (info.row == Row::node || info.row == Row::child_node) return compare_lengths(pair, info);
+    return compare_rows(pair, info);
 }
 
 }  // namespace scotty::verify

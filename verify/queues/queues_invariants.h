@@ -13,9 +13,6 @@
 
 namespace scotty::verify {
 
-/// Names of the invariants that hold for a launch of that kind, whatever is found.
-const std::vector<std::string>& invariants_of(reference::StageKind kind);
-
 struct CheckedRun {
     /// False where a part of the run was captured: a launch cannot be held to what came before.
     bool asked = false;

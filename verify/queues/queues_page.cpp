@@ -25,6 +25,12 @@ using reference::StageKind;
 
 namespace {
 
+json invariant_names(reference::StageKind kind) {
+    json names = json::array();
+    for (const char* name : reference::stage_info(kind).invariants) names.push_back(name);
+    return names;
+}
+
 /// Divergences that one can step through; the rest is counted.
 constexpr std::size_t kDivergences = 500;
 /// Triangles that the view of the scene can bear.
@@ -230,7 +236,7 @@ class PageMaker {
         if (diff != nullptr && diff->failed() && diff->first && !diff->first->replay.empty()) {
             out["replay"] = diff->first->replay;
         }
-        out["invariants"] = {{"names", invariants_of(stage.kind)},
+        out["invariants"] = {{"names", invariant_names(stage.kind)},
                              {"a", failures(checked_a_, stage)},
                              {"b", b == nullptr ? json::array() : failures(checked_b_, *b)}};
         if (!is_level_kernel(stage.kind)) return out;

@@ -1,6 +1,4 @@
 /// What fast arithmetic may change passes; a little more, or anything else, does not.
-#include <set>
-
 #include "tests/verify/capture_tools.h"
 #include "verify/diff/diff.h"
 #include "verify/diff/tolerance.h"
@@ -56,26 +54,6 @@ Verdict of_hits(const Spoil& spoil) {
 }
 
 }  // namespace
-
-TEST_CASE("tolerance: every array that a stage shows has one", "[verify][tolerance]") {
-    std::set<std::string_view> named;
-    for (const Tolerance& t : tolerances()) CHECK(named.insert(t.buffer).second);
-    const TemporaryFolder folder;
-    for (const auto mode : {reference::HitMode::buffer, reference::HitMode::packed}) {
-        PipelineParameters p = small_parameters();
-        p.hit_mode = mode;
-        p.filter = reference::Filter::gaussian;
-        const Capture capture = make_capture(folder / to_string(mode), p);
-        for (const StageRecord& stage : capture.stages()) {
-            for (const auto* buffers : {&stage.inputs, &stage.outputs}) {
-                for (const BufferRecord& buffer : *buffers) {
-                    INFO(stage.name << ' ' << buffer.name);
-                    CHECK(named.contains(buffer.name));
-                }
-            }
-        }
-    }
-}
 
 TEST_CASE("tolerance: distances may be off by a thousandth", "[verify][tolerance]") {
     CHECK(of_hits(hits(200, [](Hit& hit) { hit.t *= 1.0005f; })) == Verdict::within_tolerance);
