@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -44,15 +45,13 @@ inline reference::PipelineParameters small_parameters() {
     return p;
 }
 
-/// What a run is of. Built once a width.
+/// What a run is of. Each tree is built once.
 inline PipelineInput spheres_input(const reference::PipelineParameters& p) {
     static const reference::Scene scene = scenes::load_scene("spheres");
-    static std::vector<std::unique_ptr<reference::WideBvh>> bvhs(17);
-    auto& bvh = bvhs.at(static_cast<std::size_t>(p.width));
-    if (!bvh) {
-        bvh = std::make_unique<reference::WideBvh>(build_wide_bvh(scene, bvh_parameters(p, 0)));
-    }
-    return {scene, *bvh, p};
+    static std::map<std::pair<int, int>, reference::WideBvh> bvhs;
+    auto& bvh = bvhs[{p.width, static_cast<int>(p.queue_levels)}];
+    if (bvh.width == 0) bvh = build_wide_bvh(scene, bvh_parameters(p, 0));
+    return {scene, bvh, p};
 }
 
 using Spoil = std::function<void(StageCopies&)>;

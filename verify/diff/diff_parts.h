@@ -72,11 +72,11 @@ class Places {
     std::uint32_t node_id(std::uint32_t level, std::size_t position) const;
     /// The logical block and thread that take a ray of a node of the stage's level.
     void fill_thread(Divergence& out, const BufferPair& pair, std::uint32_t node);
-    std::uint32_t leaf_node_of(std::uint32_t primitive);
+    std::uint32_t last_queue_of(std::uint32_t primitive);
 
     const Capture& capture_;
     const reference::WideBvh* bvh_;
-    std::vector<std::uint32_t> leaf_node_;  ///< by primitive; made when first asked for
+    std::vector<std::uint32_t> last_queues_;  ///< by primitive; made when first asked for
     struct Origins {
         std::vector<std::uint32_t> pixel, sample;
     };

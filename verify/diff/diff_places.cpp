@@ -1,6 +1,7 @@
 /// From an index in a buffer to level, node, block, ray and pixel.
 #include <algorithm>
 
+#include "reference/contract/last_queues.h"
 #include "verify/diff/diff_parts.h"
 
 namespace scotty::verify {
@@ -38,20 +39,10 @@ std::uint32_t Places::node_id(std::uint32_t level, std::size_t position) const {
     return std::min(bvh_->level_begins[level] + offset, bvh_->node_count());
 }
 
-std::uint32_t Places::leaf_node_of(std::uint32_t primitive) {
+std::uint32_t Places::last_queue_of(std::uint32_t primitive) {
     if (bvh_ == nullptr) return kNotApplicable;
-    if (leaf_node_.empty()) {
-        leaf_node_.assign(bvh_->triangles.size(), kNotApplicable);
-        for (std::uint32_t id = 0; id < bvh_->node_count(); ++id) {
-            if (!reference::is_leaf(bvh_->node_refs[id])) continue;
-            const reference::Leaf& leaf = bvh_->leaves[reference::ref_index(bvh_->node_refs[id])];
-            for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i) {
-                const std::uint32_t of = bvh_->triangles[i].primitive;
-                if (of < leaf_node_.size()) leaf_node_[of] = id;
-            }
-        }
-    }
-    return primitive < leaf_node_.size() ? leaf_node_[primitive] : kNotApplicable;
+    if (last_queues_.empty()) last_queues_ = reference::last_queues(*bvh_);
+    return primitive < last_queues_.size() ? last_queues_[primitive] : kNotApplicable;
 }
 
 /// B's, or A's where B has no such ray.
@@ -104,7 +95,7 @@ void Places::fill(Divergence& out, const BufferPair& pair, const Comparison& fir
             const bool child = reference::buffer_info(pair.a.name).row == Row::child_node;
             fill_thread(out, pair, child ? bvh_->parents[out.node] : out.node);
         } else if (first.entry_primitive != kNotApplicable) {
-            out.node = leaf_node_of(first.entry_primitive);
+            out.node = last_queue_of(first.entry_primitive);
             if (out.node != kNotApplicable) fill_thread(out, pair, out.node);
         }
     } else if (out.ray != kNotApplicable && stage.threads != 0 &&

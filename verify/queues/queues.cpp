@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "reference/base/error.h"
+#include "reference/contract/last_queues.h"
 #include "verify/capture/pipeline_input.h"
 
 namespace scotty::verify {
@@ -31,7 +32,8 @@ reference::WideBvh tree_of(const Capture& capture) {
 
 }  // namespace
 
-Queues::Queues(const Capture& capture) : capture_(capture), bvh_(tree_of(capture)) {
+Queues::Queues(const Capture& capture)
+    : capture_(capture), bvh_(tree_of(capture)), last_queues_(reference::last_queues(bvh_)) {
     for (const StageRecord& stage : capture_.stages()) {
         batches_ = std::max(batches_, stage.batch + 1);
     }
@@ -58,8 +60,20 @@ std::uint32_t Queues::level_of(std::uint32_t node) const {
                                            node, bvh_.node_count() - 1, bvh_.level_count()));
     }
     const auto& begins = bvh_.level_begins;
+    if (node >= begins.back()) {
+        std::uint32_t root = node;
+        while (root >= begins.back()) root = bvh_.parents[root];
+        throw Error::bad_input(
+            who(capture_), fmt::format("node {} has no queue: it is inside the subtree of node {}, "
+                                       "whose rays go on depth first; ask for node {}",
+                                       node, root, root));
+    }
     const auto after = std::upper_bound(begins.begin(), begins.end(), node);
     return static_cast<std::uint32_t>(after - begins.begin()) - 1;
+}
+
+std::uint32_t Queues::last_queue_of(std::uint32_t primitive) const {
+    return primitive < last_queues_.size() ? last_queues_[primitive] : reference::kNone;
 }
 
 std::shared_ptr<const reference::OwnedBuffer> Queues::buffer(const StageRecord& stage,

@@ -114,6 +114,9 @@ class Queues {
     const StageRecord& launch(std::uint32_t number) const;
     /// The level of a node; throws bad_input where the tree has no such node.
     std::uint32_t level_of(std::uint32_t node) const;
+    /// The node in whose queue rays wait for the triangle: its leaf, or the root of the subtree that
+    /// holds its leaf. kNone where the tree has no such primitive.
+    std::uint32_t last_queue_of(std::uint32_t primitive) const;
 
     /// All launches in order. `verdicts`: of the diff with another capture, or null.
     std::vector<LaunchRow> launches(const DiffReport* verdicts = nullptr) const;
@@ -142,6 +145,7 @@ class Queues {
 
     const Capture& capture_;
     reference::WideBvh bvh_;
+    std::vector<std::uint32_t> last_queues_;  ///< by primitive: last_queue_of()
     std::uint32_t batches_ = 0;
     /// What was asked for last comes first: the queue that a launch writes is the next one's.
     mutable std::deque<std::pair<std::string, std::shared_ptr<const reference::OwnedBuffer>>>

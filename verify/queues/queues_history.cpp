@@ -310,8 +310,8 @@ class Historian {
         for (const GatheredHit& hit : fresh) {
             Visit* leaf = nullptr;
             for (Visit& visit : traversal.visits) {
-                if (visit.leaf && visit.launch == stage.launch &&
-                    holds(visit.node, hit.hit.primitive)) {
+                if (visit.launch == stage.launch &&
+                    visit.node == queues_.last_queue_of(hit.hit.primitive)) {
                     leaf = &visit;
                 }
             }
@@ -322,14 +322,6 @@ class Historian {
                 visit.leaf_outcome = leaf_outcome_of(visit);
             }
         }
-    }
-
-    bool holds(std::uint32_t node, std::uint32_t primitive) const {
-        const Leaf& leaf = bvh_.leaves[ref_index(bvh_.node_refs[node])];
-        const auto begin = bvh_.triangles.begin() + leaf.first;
-        return std::any_of(begin, begin + leaf.count, [&](const LeafTriangle& triangle) {
-            return triangle.primitive == primitive;
-        });
     }
 
     LeafOutcome leaf_outcome_of(const Visit& visit) const {
@@ -390,13 +382,19 @@ class Historian {
     }
 
     void add_image(const StageRecord& stage) {
-        const PartialStage part = queues_.some_of(stage, {"radiance", "image"});
+        const PartialStage part = queues_.some_of(stage, {"radiance"});
+        const auto& stages = queues_.capture().stages();
+        const auto last = std::find_if(stages.rbegin(), stages.rend(), [](const StageRecord& s) {
+            return s.kind == StageKind::reconstruct_image;
+        });
+        const PartialStage finished = queues_.some_of(*last, {"image"});
         for (RayHistory& history : out_) {
             history.radiance = at(part.get<Vec3>("radiance"), history.ray);
             if (!history.from) continue;
-            history.pixel = at(part.get<Vec3>("image"), std::size_t{history.from->pixel_y} *
-                                                                queues_.parameters().image_width +
-                                                            history.from->pixel_x);
+            history.pixel =
+                at(finished.get<Vec3>("image"),
+                   std::size_t{history.from->pixel_y} * queues_.parameters().image_width +
+                       history.from->pixel_x);
         }
     }
 

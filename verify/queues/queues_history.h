@@ -101,7 +101,7 @@ struct RayHistory {
     bool minimum_is_later = false;
     std::vector<BounceHistory> bounces;
     std::optional<reference::Vec3> radiance;  ///< handed to reconstruct_image
-    std::optional<reference::Vec3> pixel;     ///< of the image, after it
+    std::optional<reference::Vec3> pixel;     ///< of the image, after the last pass
 };
 
 /// True where there is a ray and it is not dead.

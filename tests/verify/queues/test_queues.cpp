@@ -1,20 +1,30 @@
 // scotty queues: the model held to straight loops over a small capture, its views, and its errors.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numeric>
+#include <set>
 
 #include "tests/verify/command_tools.h"
 #include "verify/queues/queues_diff.h"
 #include "verify/queues/queues_history.h"
+#include "verify/queues/queues_json.h"
+#include "verify/queues/queues_page.h"
 #include "verify/queues/queues_view.h"
 
 using namespace scotty::verify;
 using namespace scotty::verify::test;
+using scotty::reference::EarlyOut;
 using scotty::reference::Hit;
+using scotty::reference::HitMode;
 using scotty::reference::kNone;
+using scotty::reference::PipelineParameters;
+using scotty::reference::ShadowQuery;
+using scotty::reference::StageKind;
 
 namespace {
 
@@ -379,67 +389,205 @@ TEST_CASE("queues: --diff --ray says which child and which hit is not the same",
 
 namespace {
 
-/// Every entry a visit, nothing lost, nothing extra; whether any visit did what is asked for.
-void expect_whole(const Queues& queues, const std::function<bool(const Visit&)>& asked) {
-    bool seen = false;
+/// What visits did, over all traversals of a capture.
+struct Seen {
+    std::set<LeafOutcome> leaves, subtrees;
+    std::set<Outcome> children;
+    bool minimum = false, won = false;
+};
+
+/// A traversal in which nothing went wrong.
+void expect_sound(const TraversalHistory& traversal, Seen& seen) {
+    CHECK(traversal.stray.empty());
+    CHECK(traversal.gaps.empty());
+    if (!traversal.merged) return;
+    CHECK((traversal.winner_node != kNone) == is_hit(*traversal.merged));
+    for (const Visit& visit : traversal.visits) {
+        (visit.subtree ? seen.subtrees : seen.leaves).insert(visit.leaf_outcome);
+        seen.minimum = seen.minimum || visit.minimum.has_value();
+        for (const GatheredHit& hit : visit.hits) seen.won = seen.won || hit.won;
+        CHECK(visit.leaf_outcome != LeafOutcome::lost);
+        CHECK(visit.leaf_outcome != LeafOutcome::other);
+        CHECK((visit.leaf || !visit.children.empty()));
+        for (const ChildVisit& child : visit.children) {
+            seen.children.insert(child.outcome);
+            CHECK(child.outcome != Outcome::lost);
+            CHECK(child.outcome != Outcome::extra);
+        }
+    }
+}
+
+/// Every entry of every queue is one visit, and every traversal is sound.
+Seen expect_whole(const Queues& queues) {
+    Seen seen;
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> visits;  // launch, node
+    const auto take = [&](const TraversalHistory& traversal) {
+        expect_sound(traversal, seen);
+        for (const Visit& visit : traversal.visits) ++visits[{visit.launch, visit.node}];
+    };
     for (std::uint32_t batch = 0; batch < queues.batches(); ++batch) {
         std::vector<std::uint32_t> rays(queues.ray_count(batch));
-        for (std::uint32_t i = 0; i < rays.size(); ++i) rays[i] = i;
+        std::iota(rays.begin(), rays.end(), 0u);
         for (const RayHistory& history : histories(queues, batch, rays)) {
             CHECK(history.from);
             for (const BounceHistory& bounce : history.bounces) {
-                CHECK(bounce.traversal.stray.empty());
-                CHECK((bounce.traversal.winner_node != kNone) == is_hit(*bounce.traversal.merged));
-                for (const Visit& visit : bounce.traversal.visits) {
-                    ++visits[{visit.launch, visit.node}];
-                    seen = seen || asked(visit);
-                    CHECK(visit.leaf_outcome != LeafOutcome::lost);
-                    CHECK(visit.leaf_outcome != LeafOutcome::other);
-                    for (const ChildVisit& child : visit.children) {
-                        CHECK(child.outcome != Outcome::lost);
-                        CHECK(child.outcome != Outcome::extra);
-                    }
+                take(bounce.traversal);
+                for (const LightHistory& light : bounce.lights) take(light.traversal);
+            }
+        }
+    }
+    for (const StageRecord& stage : queues.capture().stages()) {
+        if (!is_level_kernel(stage.kind)) continue;
+        for (const NodeRow& node : queues.nodes(stage)) {
+            INFO(stage.name << ", node " << node.node);
+            CHECK(visits[{stage.launch, node.node}] == node.count);
+        }
+    }
+    return seen;
+}
+
+/// A mode of the pipeline that changes what the debugger has to read.
+struct Mode {
+    std::uint32_t queue_levels;
+    HitMode hit_mode;
+    EarlyOut early_out;
+    bool parts;  ///< several batches and passes, and any-hit shadow rays
+};
+
+std::string name_of(const Mode& mode) {
+    return fmt::format("{}-levels-{}-{}-{}", mode.queue_levels,
+                       mode.hit_mode == HitMode::packed ? "packed" : "buffer",
+                       mode.early_out == EarlyOut::off     ? "off"
+                       : mode.early_out == EarlyOut::level ? "level"
+                                                           : "immediate",
+                       mode.parts ? "parts" : "whole");
+}
+
+std::vector<Mode> all_modes() {
+    std::vector<Mode> out;
+    for (const std::uint32_t queue_levels : {0u, 1u, 2u}) {
+        for (const HitMode hit_mode : {HitMode::buffer, HitMode::packed}) {
+            for (const EarlyOut early_out : {EarlyOut::off, EarlyOut::level, EarlyOut::immediate}) {
+                for (const bool parts : {false, true}) {
+                    out.push_back({queue_levels, hit_mode, early_out, parts});
                 }
             }
         }
     }
-    CHECK(seen);
+    return out;
+}
+
+PipelineParameters parameters_of(const Mode& mode) {
+    auto p = small_parameters();
+    p.queue_levels = mode.queue_levels;
+    p.hit_mode = mode.hit_mode;
+    p.early_out = mode.early_out;
+    if (!mode.parts) return p;
+    p.batch_rays = 100;
+    p.samples_per_pass = 1;
+    p.shadow_query = ShadowQuery::any;
+    return p;
+}
+
+/// The command's views of one capture, each held to the model.
+void expect_views(const Queues& queues, const std::string& path) {
+    const std::string command = "queues '" + path + "'";
+    const std::uint32_t batch = queues.batches() - 1;
+    const auto rays = std::min<std::size_t>(queues.ray_count(batch), 40);
+    for (std::uint32_t ray = 0; ray < rays; ray += 13) {
+        const std::string one =
+            command + fmt::format(" --ray {} --batch {}", ray, queues.batches() - 1);
+        const std::string text = scotty_here(one).out;
+        CHECK(text.find("from no leaf") == std::string::npos);
+        CHECK(text.find("which no leaf of the ray buffered") == std::string::npos);
+        const auto told = nlohmann::json::parse(scotty_here(one + " --json").out)["rays"][0];
+        CHECK(told == to_json(histories(queues, batch, {ray})[0]));
+    }
     for (const StageRecord& stage : queues.capture().stages()) {
-        if (!is_level_kernel(stage.kind) || stage.light != scotty::reference::kNotApplicable) {
-            continue;
-        }
+        if (!is_level_kernel(stage.kind) || stage.batch != 0 || stage.bounce != 0) continue;
+        const std::string launch = command + fmt::format(" --launch {}", stage.launch);
+        CHECK(lines(scotty_here(launch + " --csv").out) == queues.nodes(stage).size() + 1);
         for (const NodeRow& node : queues.nodes(stage)) {
-            CHECK(visits[{stage.launch, node.node}] == node.count);
+            if (node.count == 0) continue;
+            const auto of_node = scotty_here(launch + fmt::format(" --node {} --csv", node.node));
+            CHECK(lines(of_node.out) == node.count + 1);
+            break;
         }
     }
+    const TemporaryFolder folder;
+    const std::string trace = folder.file("trace.json");
+    CHECK(scotty_here(command + " --ray 7 --trace '" + trace + "'").exit_code == kExitPassed);
+    CHECK(nlohmann::json::parse(slurp(trace))["traceEvents"].size() >
+          queues.capture().stages().size());
+    const nlohmann::json page = queues_page_data(queues, nullptr, {});
+    CHECK(page["a"]["checked"] == true);
+    for (const auto& launch : page["launches"]) CHECK(launch["invariants"]["a"].empty());
+}
+
+/// A second run with one hit made nearer: the diff names the ray, and its history the hit.
+void expect_diff(const Mode& mode, const std::string& path, const TemporaryFolder& folder) {
+    std::uint32_t ray = kNone;
+    const std::string other = folder.file("other");
+    make_capture(other, parameters_of(mode), [&](StageCopies& stages) {
+        for (StageCopy& stage : stages.all()) {
+            if (stage.view.kind != StageKind::merge_intersections || ray != kNone) continue;
+            const auto merged = stage.output<Hit>("merged");
+            for (ray = 0; !is_hit(merged[ray]);) ++ray;
+            merged[ray].t *= 0.5f;
+        }
+    });
+    const std::string command = "queues '" + path + "' --diff '" + other + "'";
+    const auto told =
+        nlohmann::json::parse(scotty_here(command + fmt::format(" --ray {} --json", ray)).out);
+    const auto merged = [&](const char* side) {
+        return told["rays"][0][side]["bounces"][0]["traversal"]["merged"]["t"].get<float>();
+    };
+    CHECK(merged("b") == 0.5f * merged("a"));
 }
 
 }  // namespace
 
-TEST_CASE("queues: packed hits: a leaf's hit is buffered, or passed by a nearer one", "[queues]") {
+TEST_CASE("queues: in every mode a sound run is told as sound, in every view", "[queues]") {
+    const Mode mode = GENERATE(from_range(all_modes()));
+    INFO(name_of(mode));
     const TemporaryFolder folder;
-    auto parameters = small_parameters();
-    parameters.hit_mode = scotty::reference::HitMode::packed;
-    parameters.early_out = scotty::reference::EarlyOut::off;
-    const Capture capture = make_capture(folder / "packed", parameters);
+    const std::string path = folder.file("run");
+    const Capture capture = make_capture(path, parameters_of(mode));
     const Queues queues(capture);
-    expect_whole(queues, [](const Visit& v) { return v.leaf_outcome == LeafOutcome::passed; });
-    expect_whole(queues, [](const Visit& v) {
-        return v.leaf_outcome == LeafOutcome::buffered && v.hits[0].won;
-    });
+    const Seen seen = expect_whole(queues);
+    CHECK(seen.won);
+    CHECK(seen.children.count(Outcome::pushed) == (mode.queue_levels == 1 ? 0 : 1));
+    CHECK(seen.subtrees.empty() == (mode.queue_levels == 0));
+    CHECK(seen.minimum == (mode.early_out != EarlyOut::off));
+    const auto& ends = mode.queue_levels == 0 ? seen.leaves : seen.subtrees;
+    CHECK(ends.count(LeafOutcome::buffered) == 1);
+    if (mode.hit_mode == HitMode::packed && mode.early_out == EarlyOut::off &&
+        mode.queue_levels != 1) {
+        CHECK(ends.count(LeafOutcome::passed) == 1);
+    }
+    if (mode.early_out == EarlyOut::immediate) {
+        CHECK(to_text(histories(queues, 0, {7})[0]).find("each launch left behind") !=
+              std::string::npos);
+    }
+    if (mode.parts) CHECK(queues.batches() > 1);
+    expect_views(queues, path);
+    // Under `immediate` which rays are pushed depends on the order of blocks.
+    if (mode.early_out != EarlyOut::immediate && !mode.parts) expect_diff(mode, path, folder);
 }
 
-TEST_CASE("queues: early-out immediate: minima are the later ones, and nothing is called lost",
-          "[queues]") {
+TEST_CASE("queues: a node inside of a subtree has no queue, and its root is named", "[queues]") {
     const TemporaryFolder folder;
     auto parameters = small_parameters();
-    parameters.early_out = scotty::reference::EarlyOut::immediate;
-    const Capture capture = make_capture(folder / "immediate", parameters);
+    parameters.queue_levels = 2;
+    const std::string path = folder.file("run");
+    const Capture capture = make_capture(path, parameters);
     const Queues queues(capture);
-    expect_whole(queues, [](const Visit& v) { return v.minimum.has_value(); });
-    CHECK(to_text(histories(queues, 0, {7})[0]).find("each launch left behind") !=
-          std::string::npos);
+    const std::uint32_t inside = queues.bvh().level_begins.back();
+    REQUIRE(inside < queues.bvh().node_count());
+    const Result result = scotty_here(fmt::format("queues '{}' --node {}", path, inside));
+    CHECK(result.exit_code == kExitUsage);
+    CHECK(result.err.find(fmt::format("inside the subtree of node {}",
+                                      queues.bvh().parents[inside])) != std::string::npos);
 }
 
 TEST_CASE("queues: several batches: ids count within each, a pixel's rays are found in theirs",
@@ -452,7 +600,7 @@ TEST_CASE("queues: several batches: ids count within each, a pixel's rays are fo
     REQUIRE(queues.batches() == 3);
     CHECK(queues.ray_count(0) == 100);
     CHECK(queues.ray_count(2) == 86);
-    expect_whole(queues, [](const Visit& v) { return v.leaf; });
+    expect_whole(queues);
     std::size_t found = 0;
     for (std::uint32_t y = 0; y < 11; ++y) {
         for (std::uint32_t x = 0; x < 13; ++x) {

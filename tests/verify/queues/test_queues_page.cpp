@@ -239,6 +239,12 @@ TEST_CASE("queues page: in a browser it passes its own test, which sees every pl
     parameters.hit_mode = scotty::reference::HitMode::packed;
     const Capture odd_capture = make_capture(folder / "<b>&'x'", parameters);
     const Queues odd(odd_capture);
+    parameters = small_parameters();  // subtrees below two levels, passes, any-hit shadow rays
+    parameters.queue_levels = 2;
+    parameters.samples_per_pass = 1;
+    parameters.shadow_query = scotty::reference::ShadowQuery::any;
+    const Capture cut_capture = make_capture(folder / "cut", parameters);
+    const Queues cut(cut_capture);
     PageRequest short_of_room;
     short_of_room.room = 330'000;
     const std::string plain = queues_page(runs.of_a, &runs.of_b, {});
@@ -257,6 +263,7 @@ TEST_CASE("queues page: in a browser it passes its own test, which sees every pl
         {"one", with_told(queues_page(runs.of_a, nullptr, {}), {&runs.of_a}, 97)},
         {"diff", diff},
         {"odd", with_told(queues_page(odd, nullptr, {}), {&odd})},
+        {"cut", with_told(queues_page(cut, nullptr, {}), {&cut}, 7)},
         {"short", queues_page(runs.of_b, nullptr, short_of_room)},
         {"array", replaced(diff, data, spoiled)},
         {"script", with({{"class PageSelection {", "class PageSelection {{"}})},
@@ -275,7 +282,7 @@ TEST_CASE("queues page: in a browser it passes its own test, which sees every pl
                        {"failed > 0 ? `fails", "failed > 99 ? `fails"},
                        {"ray: this.ray ?? undefined", "ray: undefined"}})},
     });
-    for (const char* good : {"one", "diff", "odd", "short"}) {
+    for (const char* good : {"one", "diff", "odd", "cut", "short"}) {
         INFO(good);
         CHECK_THAT(found.at(good), Catch::Contains("selftest: passed"));
     }
