@@ -84,7 +84,7 @@ void BlockRunner::run_phase(const Launch& launch) {
     for (std::uint32_t i = 0; i < warps; ++i) {
         meets &= run_warp<First>(launch, order_.warp_order[i]);
     }
-    // All warps have stopped: a divergence can be told with the places of all threads.
+    // All warps have stopped, so a divergence can be reported with the places of all threads.
     for (std::uint32_t warp = 1; warp < warps; ++warp) {
         meets &= stops_[warp * kLanes].site == stops_[0].site;
     }
@@ -97,7 +97,7 @@ bool BlockRunner::run_warp(const Launch& launch, std::uint32_t warp) {
     const std::uint32_t lanes = std::min(kLanes, launch.threads - base);
     ThreadStop* const stops = stops_.data() + base;
     context.lanes = lanes;
-    // A warp that did not meet leaves what its lanes have brought; the others run all the same.
+    // Clears what lanes that did not meet have left; the other warps run all the same.
     context.ballot_in = 0;
     if (context.masked) {
         masks_.fill(0);
@@ -129,7 +129,7 @@ bool BlockRunner::run_warp(const Launch& launch, std::uint32_t warp) {
         }
         if (other != 0) return false;
         if (site->kind != SiteKind::collective) return true;
-        if (masks_[0] != 0) return false;  // at a mask that names other lanes, too
+        if (masks_[0] != 0) return false;  // at a mask that also names other lanes
         context.ballot_out = std::exchange(context.ballot_in, 0);
         std::swap(context.values_in, context.values_out);
         std::swap(context.ballots_in, context.ballots_out);

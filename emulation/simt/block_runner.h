@@ -1,8 +1,8 @@
 /// Runs one block of CUDA threads on one worker.
 ///
-/// Warp by warp: every lane runs to its next stop; a warp whose lanes all stand at one collective
-/// gets its result and goes on, until it stands at a barrier or has left. When all warps stand at
-/// one barrier, the next phase begins. Anything else is a divergence.
+/// Warps take turns: every lane runs to its next stop; a warp whose lanes all wait at one
+/// collective gets its result and goes on, until it waits at a barrier or has left. When all warps
+/// wait at one barrier, the next phase begins. Anything else is a divergence.
 #pragma once
 
 #include <array>
@@ -24,18 +24,18 @@ namespace scotty::emulation::simt {
 struct Launch {
     const char* kernel = "";
     std::uint32_t blocks = 0;
-    std::uint32_t threads = 0;                       ///< a block
-    std::size_t dynamic_shared = 0;                  ///< bytes a block
-    void (*start)(const void* arguments) = nullptr;  ///< one thread, to its first stop
+    std::uint32_t threads = 0;                       ///< per block
+    std::size_t dynamic_shared = 0;                  ///< bytes per block
+    void (*start)(const void* arguments) = nullptr;  ///< runs one thread to its first stop
     const void* arguments = nullptr;
     MemoryChecker* checker = nullptr;
     Interleaver* interleaver = nullptr;
-    std::uint32_t first_block = 0;  ///< to the checker
+    std::uint32_t first_block = 0;  ///< as the checker numbers it
 };
 
 class BlockRunner {
  public:
-    /// Throws LaunchError; the block is given up then, its other threads stay where they are.
+    /// Throws LaunchError; the block is then abandoned, and its other threads stay where they are.
     void run(const Launch& launch, std::uint32_t block, ScheduleKind order, std::uint64_t seed);
 
     std::uint64_t threads_run() const { return threads_run_; }
@@ -43,17 +43,17 @@ class BlockRunner {
  private:
     void enter(const Launch& launch, std::uint32_t block);
     static void leave();
-    /// Runs the warp up to a barrier or its end. False where its lanes do not meet.
+    /// Runs the warp up to a barrier or its end. Returns false where its lanes do not meet.
     template <bool First>
     bool run_warp(const Launch& launch, std::uint32_t warp);
-    /// Lets those lanes go on whose mask's lanes all stand where they do. False where none can.
+    /// Lets those lanes go on whose mask's lanes all wait there too. Returns false if none can.
     bool run_masked(const Launch& launch, std::uint32_t base, std::uint32_t lanes);
     template <bool First>
     void run_phase(const Launch& launch);
     [[noreturn]] void fail_mask(const Launch& launch, std::uint32_t thread,
                                 std::uint32_t mask) const;
     [[noreturn]] void fail_divergent(const Launch& launch) const;
-    /// Inside a handler: what the running thread has thrown.
+    /// Called inside a handler: reports what the running thread has thrown.
     [[noreturn]] void fail_thread(const Launch& launch) const;
 
     std::array<ThreadStop, kMaxThreads> stops_{};
@@ -64,7 +64,7 @@ class BlockRunner {
     ThreadOrder order_;
     FrameArena arena_;
     SharedMemory shared_;
-    std::vector<SharedShadow> shared_shadow_;  ///< where there is a checker
+    std::vector<SharedShadow> shared_shadow_;  ///< used where there is a checker
     std::uint64_t threads_run_ = 0;
 };
 

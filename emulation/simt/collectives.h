@@ -1,4 +1,4 @@
-/// What a kernel waits for: barriers, warp collectives, collective functions.
+/// Everything that a kernel waits for: barriers, warp collectives, collective functions.
 #pragma once
 
 #include <bit>
@@ -11,8 +11,8 @@
 
 namespace scotty::emulation::simt {
 
-/// Suspends the running thread; the executor comes back when all have stopped where it has.
-/// What a thread brings is noted before it stops, so that its frame need not hold it.
+/// Suspends the running thread; the executor comes back when all have stopped at the same place. A
+/// thread's contribution is noted before it stops, so that its frame need not hold it.
 struct Stop {
     bool await_ready() const noexcept { return false; }
     void await_suspend(std::coroutine_handle<> self) const noexcept { context.stop->handle = self; }
@@ -30,7 +30,7 @@ struct WarpBallot : Stop {
     std::uint32_t await_resume() const noexcept { return context.ballot_out; }
 };
 
-/// One ballot for each of the lowest `Count` bits.
+/// Takes one ballot for each of the lowest `Count` bits.
 template <int Count>
 struct Ballots {
     std::uint32_t of[Count];
@@ -62,8 +62,8 @@ struct WarpShuffleUp : Stop {
     std::uint32_t delta;
 };
 
-/// A collective of the lanes that a mask names, and of no others: lanes of one warp may stand at
-/// several. What each lane brings is there for all of them.
+/// A collective of the lanes that a mask names, and of no others: lanes of one warp may wait at
+/// several. Each lane's contribution is visible to all of them.
 struct MaskedStop : Stop {
     MaskedStop(std::uint32_t value, std::uint32_t lanes) : mask(lanes) {
         context.values_in[context.thread % kLanes] = value;
@@ -83,7 +83,7 @@ struct MaskedStop : Stop {
         }
         return lanes;
     }
-    /// The value of a lane that takes part; the thread's own for any other.
+    /// The value of a lane that takes part; for any other lane, the thread's own.
     std::uint32_t value_of(std::uint32_t lane) const noexcept {
         const bool takes_part = lane < context.lanes && (mask >> lane & 1u) != 0;
         return context.values_out[takes_part ? lane : context.thread % kLanes];
@@ -113,7 +113,7 @@ struct WarpShuffle : MaskedStop {
     std::uint32_t from;
 };
 
-/// What SCOTTY_AWAIT awaits: a collective, whose place is noted, or a function, which needs none.
+/// What SCOTTY_AWAIT awaits: a collective, which notes its place, or a function, which needs none.
 template <class Collective>
 Collective at(const Site& site, Collective collective) {
     context.stop->site = &site;

@@ -1,4 +1,4 @@
-/// Which executor a launch or a runtime call without a device argument means, and what became of
+/// The executor that a launch or a runtime call without a device argument means, and the outcome of
 /// its last launch: the CUDA runtime's state, for one host thread.
 #pragma once
 
@@ -24,8 +24,8 @@ class CurrentDevice {
         static thread_local Executor* executor = nullptr;
         return executor;
     }
-    /// What the last launch failed of; empty: it did not. As in CUDA, the host learns of it when it
-    /// asks, and every other call fails until then.
+    /// The error of the last launch, empty if it had none. As in CUDA, the host learns of it when
+    /// it asks, and every other call fails until then.
     static std::string& launch_failure() {
         static thread_local std::string failure;
         return failure;
@@ -49,7 +49,7 @@ inline void discard_on_current_device(const void* memory, std::size_t bytes) {
     }
 }
 
-/// SCOTTY_LAUNCH. The stream is the default one's or any other: a launch is over on return.
+/// SCOTTY_LAUNCH. All streams behave like the default one: a launch is over on return.
 template <class Stream, class... Parameters, class... Arguments>
 void launch_on_current_device(const char* name, const Grid& grid, const Stream&,
                               Kernel (*kernel)(Parameters...), Arguments&&... arguments) {

@@ -20,7 +20,7 @@
 #define SCOTTY_COLLECTIVE(type) inline ::scotty::emulation::simt::Task<type>
 #define SCOTTY_SYNC() (co_await ::scotty::emulation::simt::Barrier(SCOTTY_SITE(barrier)))
 #define SCOTTY_AWAIT(call) (co_await ::scotty::emulation::simt::at(SCOTTY_SITE(collective), call))
-/// A loop, so that it is one statement with a return value or without, and not half an if.
+/// This is a loop, so that it is one statement with or without a return value, and not half an if.
 #define SCOTTY_RETURN \
     for (::scotty::emulation::simt::leave(SCOTTY_SITE(exit));;) co_return
 #define SCOTTY_SHARED(type, name)                                                       \

@@ -53,7 +53,7 @@ void Executor::run_blocks(const Launch& launch) {
         }
         return;
     }
-    // A worker takes about a thousand threads' work at once.
+    // A worker takes blocks of about a thousand threads together at once.
     const std::uint32_t grain = std::max<std::uint32_t>(1, 1024 / launch.threads);
     arena_.execute([&] {
         oneapi::tbb::parallel_for(

@@ -1,7 +1,7 @@
 /// Runs kernels written in the dialect (docs/kernel-dialect.md), one coroutine per CUDA thread.
 ///
-/// Exact tier (docs/design.md): the text of the CUDA kernels themselves, with barriers anywhere.
-/// Blocks run in parallel, each on one worker, or one after the other in an order that replays.
+/// It runs the text of the CUDA kernels themselves, with barriers anywhere. Blocks run in parallel,
+/// each on one worker, or one after the other in an order that replays.
 #pragma once
 
 #include <oneapi/tbb/enumerable_thread_specific.h>
@@ -21,14 +21,14 @@
 
 namespace scotty::emulation::simt {
 
-/// As the volume tier's. An explicit order holds for blocks, warps and lanes; under `free` threads
-/// take turns in ascending order.
+/// The same as the emulator's. An explicit order holds for blocks, warps and lanes; under `free`
+/// threads take turns in ascending order.
 using SimtOptions = DeviceOptions;
 
 struct Grid {
     std::uint32_t blocks = 0;
-    std::uint32_t threads = 0;       ///< a block
-    std::size_t dynamic_shared = 0;  ///< bytes a block, beside what the kernel declares
+    std::uint32_t threads = 0;       ///< per block
+    std::size_t dynamic_shared = 0;  ///< bytes per block, beside what the kernel declares
 };
 
 /// One executor is used by one host thread at a time.
@@ -36,11 +36,11 @@ class Executor {
  public:
     explicit Executor(const SimtOptions& options = {});
 
-    /// Runs all threads of the grid and returns when all have left. `threads` is 1..1024 a block.
+    /// Runs all threads of the grid and returns when all have left. `threads` is 1..1024 per block.
     ///
-    /// Throws LaunchError, naming kernel, block and threads: when threads of a block stand at
-    /// different barriers, or lanes of a warp at different stops, or some have left while others
-    /// wait, and when a thread throws. The other blocks may or may not have run then.
+    /// Throws LaunchError, naming kernel, block and threads, if threads of a block wait at
+    /// different barriers, lanes of a warp at different stops, or some have left while others wait,
+    /// and if a thread throws. The other blocks may or may not have run then.
     template <class... Parameters, class... Arguments>
     void launch(const char* name, std::uint32_t blocks, std::uint32_t threads,
                 Kernel (*kernel)(Parameters...), Arguments&&... arguments) {
@@ -69,16 +69,16 @@ class Executor {
         run(launch);
     }
 
-    /// From now on what kernels touch is checked, where they are instrumented for it (check/). A
-    /// finding fails its launch.
+    /// From now on the accesses of instrumented kernels are checked (check/). A finding fails its
+    /// launch.
     void check_memory();
-    /// Null where nothing is checked.
+    /// Null without a checker.
     MemoryChecker* checker() const { return checker_.get(); }
-    /// From now on the blocks of a launch are switched in their middle (interleave/); null: no
-    /// more. Needs check_memory() and instrumented kernels. What they touch is not checked
+    /// From now on the blocks of a launch are switched in their middle (interleave/); null ends
+    /// that. It needs check_memory() and instrumented kernels, whose accesses are not checked
     /// meanwhile.
     void interleave(Interleaver* interleaver) { interleaver_ = interleaver; }
-    /// Threads that were started and have left, over all launches: each once.
+    /// Counts the threads that were started and have left, over all launches, each once.
     std::uint64_t threads_run() const;
 
  private:

@@ -1,4 +1,4 @@
-/// Memory for the coroutine frames of one block: from a bump pointer, back to lists by size.
+/// Memory for one block's coroutine frames: from a bump pointer, back to lists by size.
 ///
 /// One worker uses it, for one block at a time. reset() takes all of it back at once, so that an
 /// aborted block needs no clean-up: a kernel's locals are trivially destructible.
@@ -53,8 +53,8 @@ class FrameArena {
         std::byte* end() const { return begin() + size; }
     };
 
-    /// Cache lines, an odd number: frames an even number of lines apart would crowd the same few
-    /// sets of the first-level cache.
+    /// The size in cache lines is odd: frames an even number of lines apart would crowd the same
+    /// few sets of the first-level cache.
     static constexpr std::size_t lines_of(std::size_t bytes) {
         return ((bytes + kLine - 1) / kLine) | 1u;
     }

@@ -1,9 +1,9 @@
-/// What the compiler calls before every access of code built with -fsanitize=thread.
+/// The functions that the compiler calls before every access of code built with -fsanitize=thread.
 ///
 /// That option makes g++ and clang put a call in front of each load and store and replace atomics
 /// by calls. Linked without the option, the calls come here and not to the thread sanitizer's
-/// library: with the running CUDA thread known, they say who touches what. Part of programs that
-/// check only.
+/// library: with the running CUDA thread known, they say which thread touches what. Only programs
+/// that check contain this file.
 #include <cstddef>
 #include <cstdint>
 
@@ -46,8 +46,8 @@ inline void note(const void* address, std::size_t bytes, const void* place) {
     }                                                                                            \
     void __tsan_volatile_write##bytes(void* a) { note<Access::write>(a, bytes, SCOTTY_PLACE); }
 
-// All of an operation's orders become the strongest: the kernels' own are relaxed. A load is the
-// first part of an atomic, unless it is load_relaxed().
+// All memory orders become the strongest; the kernels' own are relaxed. A load is the first part of
+// an atomic, unless it is load_relaxed().
 #define SCOTTY_FETCH(bits, name)                                                            \
     std::uint##bits##_t __tsan_atomic##bits##_fetch_##name(volatile std::uint##bits##_t* a, \
                                                            std::uint##bits##_t v, int) {    \

@@ -1,7 +1,7 @@
 /// The coroutines that kernels and collective functions become.
 ///
-/// Both start at once, on the caller's stack, and run to their first stop. What never stops costs
-/// an allocation from a list. Frames come from the block's arena.
+/// Both start at once, on the caller's stack, and run to their first stop. One that never stops
+/// costs an allocation from a list. Frames come from the block's arena.
 #pragma once
 
 #include <coroutine>
@@ -21,7 +21,7 @@ struct ArenaFrame {
     }
 };
 
-/// A kernel: one call is one CUDA thread. Not to be called but by a launch.
+/// A kernel: one call is one CUDA thread. Only a launch may call it.
 struct Kernel {
     struct promise_type : ArenaFrame {
         promise_type() { ++context.started; }
@@ -40,7 +40,7 @@ struct Kernel {
 template <class T>
 class Task;
 
-/// Where the coroutine goes that has waited for this one; nowhere as long as none has.
+/// The coroutine that waits for this one; null as long as none does.
 struct Continuation : ArenaFrame {
     struct Final {
         bool await_ready() const noexcept { return false; }
@@ -70,7 +70,7 @@ struct TaskPromise<void> : Continuation {
     void return_void() const noexcept {}
 };
 
-/// A collective function under way. Its caller awaits it (SCOTTY_AWAIT); one that does not is a
+/// A running collective function. Its caller awaits it (SCOTTY_AWAIT); forgetting that is a
 /// warning, and an error where the executor's targets are built.
 template <class T>
 class [[nodiscard]] Task {
@@ -83,7 +83,7 @@ class [[nodiscard]] Task {
         handle_.promise().next = caller;
     }
     T await_resume() const {
-        context.returns[context.thread] = nullptr;  // that was the function's, not the kernel's
+        context.returns[context.thread] = nullptr;  // it was the function's, not the kernel's
         if constexpr (std::is_void_v<T>) {
             handle_.destroy();
         } else {

@@ -17,18 +17,18 @@ struct Event {
 
 namespace {
 
-/// A failed launch fails what follows it, until somebody asks.
+/// A failed launch makes all later calls fail, until the host asks for the error.
 cudaError_t status() {
     return CurrentDevice::launch_failure().empty() ? cudaSuccess : cudaErrorLaunchFailure;
 }
 
-/// Null where nothing is checked.
+/// Null without a checker.
 MemoryChecker* current_checker() {
     const Executor* executor = CurrentDevice::current();
     return executor == nullptr ? nullptr : executor->checker();
 }
 
-/// The text of the failure that was asked for last.
+/// The text of the failure that the host asked for last.
 std::string& told() {
     static thread_local std::string text;
     return text;

@@ -1,8 +1,8 @@
 /// The calls of the CUDA runtime that gpu/ makes, on host memory, for the SIMT executor.
 ///
-/// Found instead of CUDA's through the include path of one target. In a namespace of its own, so
-/// that it can live in one program with CUDA's runtime. Streams are in order and synchronous;
-/// cudaMalloc fills with kPoisonByte, so that reads of unwritten memory show.
+/// The include path of one target finds it instead of CUDA's. It has a namespace of its own, so
+/// that one program can also hold CUDA's runtime. Streams are in order and synchronous; cudaMalloc
+/// fills with kPoisonByte, so that reads of unwritten memory show.
 #pragma once
 
 #include <cstddef>
@@ -28,15 +28,15 @@ struct Event;
 using cudaStream_t = Stream*;
 using cudaEvent_t = Event*;
 
-/// What the pretended device holds at once: grids of few blocks, so that blocks take several
-/// logical blocks each, as on a device.
+/// What the simulated device holds at once: few enough that each block takes several logical
+/// blocks, as on a device.
 constexpr int kMultiprocessors = 4;
 constexpr int kBlocksAMultiprocessor = 8;
 
-/// Clears the error, as CUDA does where it is not sticky.
+/// Clears the error, as CUDA does unless the error is sticky.
 cudaError_t cudaGetLastError();
 const char* cudaGetErrorName(cudaError_t error);
-/// Of a failed launch: what the executor said, kernel, block and threads named.
+/// For a failed launch, returns the executor's message, which names kernel, block and threads.
 const char* cudaGetErrorString(cudaError_t error);
 
 cudaError_t cudaMalloc(void** memory, std::size_t bytes);

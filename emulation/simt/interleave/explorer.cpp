@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint32_t kMostBlocks = 64;
 
-/// Words in which blocks meet: two have touched it in one run, and one has changed it.
+/// Words in which blocks meet: two blocks have touched them in one run, and one has changed them.
 class Meetings {
  public:
     void begin_run() { words_.clear(); }
@@ -38,15 +38,15 @@ class Meetings {
     std::set<std::uint32_t> meeting_;
 };
 
-/// One choice of the run that is under way, and what is left to try in its place.
+/// One choice of the current run, and the alternatives left to try in its place.
 struct Node {
     std::vector<BlockState> states;
-    std::uint32_t before = 0;  ///< who ran last
+    std::uint32_t before = 0;  ///< the block that ran last
     std::uint32_t chosen = 0;
-    std::uint32_t preemptions = 0;  ///< up to and with this choice
+    std::uint32_t preemptions = 0;  ///< up to and including this choice
     std::set<std::uint32_t> to_try;
     std::set<std::uint32_t> tried;
-    std::vector<std::uint32_t> clock;  ///< by block: its last choice (from 1) that comes before
+    std::vector<std::uint32_t> clock;  ///< by block: its last choice (from 1) that precedes it
 };
 
 class Search final : public Chooser {
@@ -92,13 +92,13 @@ class Search final : public Chooser {
         return path_[depth_++].chosen;
     }
 
-    /// The first run is one block after the other, and stops nowhere.
+    /// The first run takes one block after the other, and stops nowhere.
     void end_linear() { linear_ = false; }
     bool met_anew() const { return meetings_.size() != met_before_; }
     std::size_t words() const { return meetings_.size(); }
     void restart() { path_.clear(); }
 
-    /// To the next order that is to be tried; false: there is none.
+    /// Goes to the next order to try; false if there is none.
     bool advance() {
         path_.resize(std::min(depth_, path_.size()));
         while (!path_.empty()) {
@@ -115,7 +115,7 @@ class Search final : public Chooser {
         return false;
     }
 
-    /// The run that is over, as switches against the default.
+    /// The finished run, as switches against the default order.
     Interleaving taken() const {
         Interleaving out = launch_;
         for (std::size_t i = 0; i < depth_; ++i) {
@@ -128,8 +128,8 @@ class Search final : public Chooser {
     }
 
  private:
-    /// What each block is about to do here could have come earlier: before the last dependent
-    /// access of another that does not already come before it. There it is to be tried.
+    /// Each block's next access could have come earlier: before the last dependent access of
+    /// another block that does not already precede it. That is where it is to be tried.
     void find_dependent(std::size_t depth) {
         Node& node = path_[depth];
         const auto blocks = static_cast<std::uint32_t>(node.states.size());
@@ -148,7 +148,7 @@ class Search final : public Chooser {
                 break;
             }
         }
-        // The clock of what runs now: after all dependent accesses so far.
+        // The clock of the access that runs now: it follows all dependent accesses so far.
         std::vector<std::uint32_t> clock = clocks[node.chosen];
         for (std::size_t i = 0; i < depth; ++i) {
             const Node& earlier = path_[i];
@@ -181,7 +181,7 @@ class Search final : public Chooser {
     std::size_t depth_ = 0;
 };
 
-/// Leaves out switches as long as the outcome stays another one than expected.
+/// Leaves out switches as long as the outcome still differs from the expected one.
 void shrink(const MemoryChecker& memory, const InterleavedRun& run, Exploration& exploration) {
     Interleaving& failing = *exploration.failing;
     for (std::size_t i = 0; i < failing.switches.size();) {

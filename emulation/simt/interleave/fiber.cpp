@@ -17,7 +17,7 @@ void Fiber::start(std::function<void()> body) {
     own_.uc_stack.ss_sp = stack_.get();
     own_.uc_stack.ss_size = kStack;
     own_.uc_link = &caller_;
-    // makecontext() passes ints: the pointer goes in halves.
+    // makecontext() passes ints, so the pointer is passed in halves.
     const auto self = reinterpret_cast<std::uintptr_t>(this);
     ::makecontext(&own_, reinterpret_cast<void (*)()>(&Fiber::enter), 2,
                   static_cast<unsigned>(self), static_cast<unsigned>(self >> 32));

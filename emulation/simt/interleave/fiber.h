@@ -1,4 +1,4 @@
-/// A function that can stand still in its middle and let its caller go on.
+/// A function that can pause in its middle and let its caller go on.
 #pragma once
 
 #include <ucontext.h>
@@ -12,7 +12,7 @@
 
 namespace scotty::emulation::simt {
 
-/// Stays on the thread that made it. One that is given up half-way is not unwound: what it runs
+/// It stays on the thread that made it. A fiber that is abandoned half-way is not unwound: its body
 /// must own nothing on its stack.
 class Fiber {
  public:
@@ -20,15 +20,15 @@ class Fiber {
     Fiber(const Fiber&) = delete;
     Fiber& operator=(const Fiber&) = delete;
 
-    /// `body` from its beginning, at the next resume().
+    /// Runs `body` from its beginning, at the next resume().
     void start(std::function<void()> body);
-    /// Returns when the body stands or is over.
+    /// Returns when the body pauses or is over.
     void resume();
-    /// From inside the body.
+    /// Pauses the body; called from inside it.
     void stand();
 
     bool over() const { return over_; }
-    /// What the body has thrown; null: nothing.
+    /// What the body has thrown, or null.
     std::exception_ptr error() const { return error_; }
 
  private:
@@ -39,7 +39,7 @@ class Fiber {
     std::function<void()> body_;
     ucontext_t own_{};
     ucontext_t caller_{};
-    Context kept_{};  ///< of the CUDA thread that stands
+    Context kept_{};  ///< of the CUDA thread that is paused
     bool over_ = true;
     std::exception_ptr error_;
 };

@@ -8,7 +8,7 @@ namespace scotty::emulation::simt {
 
 namespace {
 
-/// A block that has waited for nobody and reads the same so often again waits for ever.
+/// After so many releases in a row, with no write between, the blocks would wait for ever.
 constexpr std::uint32_t kMostReleases = 1000;
 
 }  // namespace

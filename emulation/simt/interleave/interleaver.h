@@ -1,7 +1,7 @@
-/// Runs the blocks of a launch in turns that change in their middle, each block a fiber.
+/// Runs the blocks of a launch in turns that change in their middle; each block is a fiber.
 ///
-/// The instrumented kernel reports every access to device memory (check/instrumentation.cpp) before
-/// it happens. There a block may stand, and another goes on. Which, a Chooser says.
+/// The instrumented kernel announces every access to device memory (check/instrumentation.cpp)
+/// before it happens. There a block may pause and another goes on; a Chooser says which.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 namespace scotty::emulation::simt {
 
 /// Four-byte words of device memory, [first, last], and whether they are changed. A relaxed read
-/// reads; an atomic writes, whatever comes of it.
+/// counts as a read, an atomic as a write, whether or not it changes the word.
 struct Touch {
     std::uint32_t first = 0;
     std::uint32_t last = 0;
@@ -28,14 +28,14 @@ inline bool dependent(const Touch& a, const Touch& b) {
     return a.first <= b.last && b.first <= a.last && (a.writes || b.writes);
 }
 
-/// Where the blocks of a launch stand.
+/// The state of a launch's paused blocks.
 struct BlockState {
     bool begun = false;
     bool over = false;
-    /// It has read a word that nobody has changed since it last read it: it waits for others.
+    /// It has read a word that is unchanged since it last read it: it waits for others.
     bool waits = false;
-    std::uint32_t accesses = 0;  ///< begun, the one included before which it stands
-    Touch next;                  ///< what it is about to do, where it stands
+    std::uint32_t accesses = 0;  ///< begun so far, including the one that it pauses before
+    Touch next;                  ///< the access that it pauses before
 
     bool can_run() const { return !over && !waits; }
 };
@@ -47,13 +47,13 @@ class Chooser {
     Chooser& operator=(const Chooser&) = delete;
     virtual ~Chooser() = default;
 
-    /// Before anything runs.
+    /// Called before anything runs.
     virtual void begin(const Launch& launch) = 0;
     /// Whether all blocks run to their first stop before the first choice.
     virtual bool begins_all() const = 0;
-    /// Whether the running block stands before this, its `access`-th access.
+    /// Whether the running block pauses before this, its `access`-th access.
     virtual bool stops(std::uint32_t block, std::uint32_t access, const Touch& touch) = 0;
-    /// Who goes on: one that can_run(). `current` ran last. Some block can.
+    /// Which block goes on; it must be able to run. `current` ran last. At least one block can.
     virtual std::uint32_t choose(const std::vector<BlockState>& blocks, std::uint32_t current) = 0;
 };
 
@@ -62,20 +62,20 @@ std::uint32_t next_by_default(const std::vector<BlockState>& blocks, std::uint32
 
 class Interleaver {
  public:
-    /// Of the device whose memory that is.
+    /// `memory` belongs to the device that runs the kernels.
     explicit Interleaver(const MemoryChecker& memory) : memory_(memory) {}
     Interleaver(const Interleaver&) = delete;
     Interleaver& operator=(const Interleaver&) = delete;
 
     void use(Chooser& chooser) { chooser_ = &chooser; }
-    /// A whole launch. Throws what its blocks throw, and LaunchError where all wait for each other.
+    /// Runs a launch. Throws what its blocks throw; LaunchError where all wait for each other.
     void run(const Launch& launch);
-    /// From the instrumented kernel.
+    /// Called by the instrumented kernel.
     void on_access(Access access, const void* address, std::size_t bytes);
 
  private:
     void resume(std::uint32_t block);
-    /// The running thread reads what it has read before, unchanged since.
+    /// Whether the running thread reads what it has read before, unchanged since.
     bool reads_again(std::uint32_t word);
     void release_one();
 
@@ -93,7 +93,7 @@ class Interleaver {
     std::unordered_map<std::uint32_t, std::uint32_t> versions_;  ///< changes, by word
     std::unordered_map<std::uint64_t, Seen> seen_;               ///< relaxed reads, by thread
     std::vector<std::uint32_t> waited_word_;
-    std::uint32_t releases_ = 0;  ///< one after the other, of blocks that waited for nobody
+    std::uint32_t releases_ = 0;  ///< in a row, with no write between
 };
 
 }  // namespace scotty::emulation::simt

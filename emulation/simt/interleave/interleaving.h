@@ -8,8 +8,8 @@
 
 namespace scotty::emulation::simt {
 
-/// Before its `access`-th access to device memory (counted from 1 over all its threads) `block`
-/// stands, and `to` goes on. Access 0: when `block` is over.
+/// `block` pauses before its `access`-th access to device memory (counted from 1 over all its
+/// threads), and `to` goes on. Access 0 means the end of `block`.
 struct Switch {
     std::uint32_t block = 0;
     std::uint32_t access = 0;
@@ -18,12 +18,12 @@ struct Switch {
     bool operator==(const Switch&) const = default;
 };
 
-/// Block 0 begins; a block goes on until a switch says otherwise, until it only waits for others,
-/// or until it is over; then the lowest that can. No switches: one block after the other.
+/// Block 0 begins. A block goes on until a switch says otherwise, it only waits for others, or it
+/// is over; then the lowest that can run follows. Without switches, blocks run one after the other.
 struct Interleaving {
     std::string kernel;
     std::uint32_t blocks = 0;
-    std::uint32_t threads = 0;  ///< a block
+    std::uint32_t threads = 0;  ///< per block
     std::vector<Switch> switches;
 
     bool operator==(const Interleaving&) const = default;
@@ -31,11 +31,11 @@ struct Interleaving {
 
 /// "block 0 stands before access 5, block 1 goes on".
 std::string to_text(const Switch& change);
-/// Lines of words: it is read by people, too.
+/// Lines of words, which people read too.
 std::string to_text(const Interleaving& interleaving);
 /// Throws bad_input naming the file and the line.
 Interleaving read_interleaving(const std::filesystem::path& file);
-/// Beside the file and renamed; throws bad_input naming it.
+/// Writes beside the file and renames; throws bad_input naming it.
 void write_interleaving(const std::filesystem::path& file, const Interleaving& interleaving);
 
 }  // namespace scotty::emulation::simt

@@ -1,4 +1,4 @@
-/// A schedule from a file, or from a search, once more.
+/// Runs a schedule from a file, or from a search, once more.
 #pragma once
 
 #include <functional>
