@@ -17,8 +17,8 @@ struct WayOut {
     WayOut& operator=(const WayOut&) = delete;
 };
 
-/// The signal comes of the very instruction that reached for the address: a kernel's, which holds
-/// no lock and is inside no allocation.
+/// The signal comes from the very instruction that used the address: a kernel's, which holds no
+/// lock and is inside no allocation.
 void give_up(int signal) {
     if (context.way_out != nullptr) ::siglongjmp(*context.way_out, 1);
     std::signal(signal, SIG_DFL);
@@ -34,7 +34,7 @@ void catch_bad_addresses() {
         if (installed.sa_handler != SIG_DFL) continue;
         struct sigaction ours {};
         ours.sa_handler = give_up;
-        ours.sa_flags = SA_NODEFER;  // which the jump does not end otherwise
+        ours.sa_flags = SA_NODEFER;  // the jump out of the handler would not unblock the signal
         ::sigaction(signal, &ours, nullptr);
     }
 }
@@ -46,9 +46,9 @@ std::string bad_address_in(void (*body)(void* argument), void* argument) {
         body(argument);
         return {};
     }
-    // First of all: in an instrumented program the functions of strings announce their accesses.
+    // Comes first: in an instrumented program the functions of strings announce accesses.
     const auto place = reinterpret_cast<std::uintptr_t>(context.last_access);
-    deliberate_read = false;  // if it was one
+    deliberate_read = false;  // the access may have been one
     const std::string what =
         "thread " + std::to_string(context.thread) + " reached memory that is not there";
     if (place == 0) return what + "; --check names the line";

@@ -8,7 +8,7 @@ namespace scotty::emulation::simt {
 namespace {
 
 constexpr std::size_t kWords = CheckerMemory::kDeviceBytes / 4;
-/// Half of all numbers: so many are left to the next checker at least.
+/// Half of all block numbers: at least that many are left to the next checker.
 constexpr std::uint32_t kManyBlocks = 1u << 31;
 
 struct Kept {

@@ -1,4 +1,4 @@
-/// The pretended device's memory, and what is known of each of its words.
+/// The simulated device's memory, and what the checker knows of each of its words.
 #pragma once
 
 #include <cstddef>
@@ -9,9 +9,9 @@
 
 namespace scotty::emulation::simt {
 
-/// Who touched a word: its block in the upper half, counted over all launches and from 1, so that
-/// what is less than the launch's first is of an earlier launch; in the lower half
-/// phase << 12 | several blocks | several threads | thread. 0: nobody.
+/// Who touched a word. The upper half is the block, counted from 1 over all launches, so that a
+/// number below the launch's first belongs to an earlier launch; the lower half is phase << 12 |
+/// several blocks | several threads | thread. 0: nobody.
 using Stamp = std::uint64_t;
 constexpr Stamp kThreadOfStamp = 0x3ff;
 constexpr Stamp kSeveralThreads = 1u << 10;
@@ -24,21 +24,20 @@ struct Shadow {
     Stamp stamps[2];
     std::uint32_t places[2];  ///< offsets of the accesses in the program's text
 };
-/// Those of all kinds.
+/// The last accesses of all four kinds.
 struct SharedShadow {
     Shadow plain;   ///< read, write
     Shadow others;  ///< relaxed read, atomic
 };
 
-/// Of one checker after the other: the system takes longer to hand out zeros than a checker to fill
-/// them. What an earlier checker has stamped is of earlier launches.
+/// Checkers use it one after the other, because the system takes longer to hand out zeros than a
+/// checker to fill them. Stamps of an earlier checker count as those of earlier launches.
 class CheckerMemory {
  public:
-    /// What the pretended device has.
+    /// The size of the simulated device's memory.
     static constexpr std::size_t kDeviceBytes = std::size_t{1} << 32;
 
-    /// Address space set aside, not memory used. Throws missing_environment where the system
-    /// refuses it.
+    /// Reserves address space, not memory. Throws missing_environment if the system refuses it.
     CheckerMemory();
 
     std::byte* device() const { return device_.data(); }
@@ -46,7 +45,7 @@ class CheckerMemory {
     Shadow* plain() const { return reinterpret_cast<Shadow*>(plain_.data()); }
     /// By word: relaxed read, atomic.
     Shadow* others() const { return reinterpret_cast<Shadow*>(others_.data()); }
-    /// By word: bits of the checker's; all 0 when one begins.
+    /// By word: the checker's bits, all 0 when a checker begins.
     std::uint8_t* states() const { return reinterpret_cast<std::uint8_t*>(states_.data()); }
 
     std::uint32_t next_block = 1;
@@ -58,9 +57,9 @@ class CheckerMemory {
     MappedMemory states_;
 };
 
-/// One that was given back, or a new one.
+/// Returns one that was given back, or a new one.
 std::unique_ptr<CheckerMemory> take_checker_memory();
-/// With all states 0. One is kept.
+/// Its states must all be 0. One is kept for reuse.
 void give_back(std::unique_ptr<CheckerMemory> memory);
 
 }  // namespace scotty::emulation::simt

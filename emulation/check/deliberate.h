@@ -1,5 +1,5 @@
-/// Marks the read that is under way as one that others may overtake (load_relaxed), and not as the
-/// look that an atomic takes before it acts.
+/// Marks the current read as one that other threads may overtake (load_relaxed), and not as the
+/// read with which an atomic begins.
 #pragma once
 
 namespace scotty::emulation::simt {

@@ -1,4 +1,4 @@
-// What the checker has found, as text, and as the error that a launch fails with.
+// The checker's findings as text, and as the error that a launch fails with.
 #include <algorithm>
 #include <string>
 #include <tuple>
@@ -31,8 +31,8 @@ std::string who_text(std::uint32_t thread, std::uint32_t block) {
     return "thread " + std::to_string(thread) + " of block " + std::to_string(block);
 }
 
-/// Races first, which explain what is unwritten; then in an order that does not depend on who came
-/// first.
+/// Races come first, because they explain unwritten memory; the rest is in an order that does not
+/// depend on timing.
 [[noreturn]] void throw_findings(const std::string& kernel, std::uint32_t threads,
                                  std::vector<MemoryFinding> findings, const std::string& after) {
     std::sort(findings.begin(), findings.end(), [](const auto& a, const auto& b) {

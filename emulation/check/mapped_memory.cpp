@@ -20,8 +20,8 @@ MappedMemory::MappedMemory(std::size_t bytes, const char* purpose) : bytes_(byte
             "); little of it is ever used: lift the limit (ulimit -v, vm.overcommit_memory)");
     }
     ::madvise(mapped, bytes, MADV_DONTDUMP);
-    // Most pages are read before they are written: two faults each, and the second one interrupts
-    // all other threads. Of large pages there are few. Where there are none it works as well.
+    // Most pages are read before they are written, which costs two faults each, and the second one
+    // interrupts all other threads. Large pages are few. Without them it works as well.
     ::madvise(mapped, bytes, MADV_HUGEPAGE);
     data_ = static_cast<std::byte*>(mapped);
 }

@@ -1,4 +1,4 @@
-/// Address space that costs memory only where it is touched.
+/// Address space that costs memory only where it is used.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@ namespace scotty::emulation::simt {
 
 class MappedMemory {
  public:
-    /// Zeros. Throws missing_environment, saying what for, where the system refuses.
+    /// Zeroed. Throws missing_environment, naming the purpose, if the system refuses.
     MappedMemory(std::size_t bytes, const char* purpose);
     ~MappedMemory();
     MappedMemory(const MappedMemory&) = delete;

@@ -15,12 +15,12 @@ namespace {
 constexpr std::size_t kMostFindings = 20;
 
 constexpr bool is_plain(Access access) { return static_cast<unsigned>(access) < 2; }
-/// Which half of a Shadow.
+/// The half of a Shadow that holds this kind.
 constexpr std::size_t half(Access access) { return static_cast<std::size_t>(access) & 1u; }
 
-/// Workers of blocks that run at once look at one word's shadow at once. Stamp and place may then
-/// be of two accesses; of one kind and one launch, from two blocks, which is all that is asked of
-/// them.
+/// Workers of concurrent blocks use one word's shadow at the same time. Stamp and place may then
+/// come from two accesses, but of one kind and one launch, from two blocks, and the checker needs
+/// no more.
 Stamp load(const Stamp& stamp) { return __atomic_load_n(&stamp, __ATOMIC_RELAXED); }
 void store(Shadow& shadow, std::size_t which, Stamp stamp, std::uint32_t place) {
     __atomic_store_n(&shadow.stamps[which], stamp, __ATOMIC_RELAXED);
@@ -34,7 +34,7 @@ bool unordered(Stamp earlier, Accessor who) {
     const Stamp differs = earlier ^ who.now;
     const bool other_block = differs >> kBlockShift != 0;
     if (shared) {
-        if (other_block) return false;  // another block's memory, which was here
+        if (other_block) return false;  // an earlier block used this memory
     } else if (other_block || (earlier & kSeveralBlocks) != 0) {
         return true;
     }
@@ -42,16 +42,16 @@ bool unordered(Stamp earlier, Accessor who) {
     return (earlier & kSeveralThreads) != 0 || (differs & kThreadOfStamp) != 0;
 }
 
-/// Notes an access beside those of its kind before.
+/// Records an access beside earlier ones of its kind.
 template <bool shared, Access access>
 [[gnu::always_inline]] inline void note(Shadow& shadow, std::uint32_t place, Accessor who) {
     constexpr std::size_t which = half(access);
     const Stamp before = load(shadow.stamps[which]);
     Stamp now = who.now;
-    // Two writes by two threads, and one of them is not the last: that is a race already.
+    // Writes need no flags: two unordered writes are a race already.
     if (access != Access::write && before >= who.launch) {
         const Stamp differs = before ^ now;
-        if (!shared && (before & kSeveralBlocks) != 0) return;  // more than that is not asked
+        if (!shared && (before & kSeveralBlocks) != 0) return;  // the checker needs no more
         if (differs >> kBlockShift != 0) {
             if (!shared) now |= kSeveralBlocks;
         } else if (static_cast<std::uint32_t>(differs) >> kPhaseShift == 0) {
@@ -70,7 +70,7 @@ constexpr bool conflict(Access one, Access other) {
            (one == Access::atomic && other == Access::read);
 }
 
-/// Relaxed reads that an atomic of their launch met, by place: of the whole process.
+/// Counts relaxed reads that an atomic of their launch met, by place, over the whole process.
 struct RelaxedTally {
     std::mutex mutex;
     std::map<std::uint32_t, std::uint64_t> met;
@@ -80,7 +80,7 @@ RelaxedTally& relaxed_tally() {
     return tally;
 }
 
-/// A relaxed read or an atomic: it may have met the other. The one of the two may have come first.
+/// Counts a relaxed read or an atomic that may have met the other kind; either may come first.
 template <bool shared, Access access>
 void tally_relaxed(const Shadow& others, std::uint32_t place, Accessor who) {
     constexpr bool reads = access == Access::relaxed_read;
@@ -161,7 +161,7 @@ void MemoryChecker::note_upload(const void* to, std::size_t bytes) {
     if (offset >= kDeviceBytes || bytes == 0) return;
     const std::size_t end = (offset + bytes + 3) / 4;
     std::memset(states_ + offset / 4, kOwned | kWritten, end - offset / 4);
-    // What a kernel wrote here is gone.
+    // Forget what a kernel wrote here.
     for (std::size_t word = offset / 4; word < end; ++word) {
         if (plain_[word].stamps[half(Access::write)] != 0) plain_[word] = {};
         if (others_[word].stamps[half(Access::atomic)] != 0) others_[word] = {};
@@ -177,7 +177,7 @@ void MemoryChecker::note_download(const void* host, const void* device, std::siz
 std::optional<Writer> MemoryChecker::last_writer(const void* host) const {
     const auto at = reinterpret_cast<std::uintptr_t>(host);
     if (at - begin_ < kDeviceBytes) return writer_of((at - begin_) / 4);
-    // The latest: memory of the host is used again.
+    // The latest download counts, because host memory is reused.
     const auto download = std::find_if(
         downloads_.rbegin(), downloads_.rend(),
         [&](const Download& candidate) { return at - candidate.host < candidate.bytes; });
@@ -262,7 +262,7 @@ void MemoryChecker::check_all(Shadow& plain, Shadow& others, std::uint32_t place
 
 template <Access access>
 void MemoryChecker::check_others(std::size_t word, std::uint32_t place, const Context& running) {
-    // From now on plain accesses, too, look at both.
+    // From now on plain accesses, too, check both shadows.
     if (!is_plain(access) && (__atomic_load_n(states_ + word, __ATOMIC_RELAXED) & kOthers) == 0) {
         __atomic_fetch_or(states_ + word, kOthers, __ATOMIC_RELAXED);
     }
@@ -302,12 +302,12 @@ bool MemoryChecker::settle(Access access, std::size_t word, std::uint32_t place,
     if ((state & kFreed) != 0) return found(Kind::freed, nullptr);
     if (state == kNobodys) return found(Kind::outside, nullptr);
     if ((state & kWritten) != 0) {
-        // A slot that is given away once, or one that another worker has just written.
+        // This is a slot written a second time, or one that another worker has just written.
         if (access != Access::write || (state & kOnce) == 0) return true;
         const Shadow& plain = plain_[word];
         const Other other{Access::write, load(plain.stamps[half(Access::write)]),
                           plain.places[half(Access::write)]};
-        // Unordered, it is a race, which says more.
+        // An unordered second write is a race, which says more.
         return unordered<false>(other.stamp, Accessor(running)) || found(Kind::twice, &other);
     }
     if (access != Access::write) return found(Kind::unwritten, nullptr);
@@ -338,7 +338,7 @@ void MemoryChecker::check_shared(std::uintptr_t offset, std::size_t bytes, std::
     }
 }
 
-// For instrumentation.cpp.
+// Instantiated for instrumentation.cpp.
 template void MemoryChecker::check_device<Access::read>(std::uintptr_t, std::size_t, std::uint32_t,
                                                         const Context&);
 template void MemoryChecker::check_device<Access::write>(std::uintptr_t, std::size_t, std::uint32_t,
@@ -405,7 +405,7 @@ void MemoryChecker::report(MemoryFinding::Kind kind, Access access, std::uint32_
             static_cast<std::uint32_t>(stamp >> kBlockShift) - running.first_block;
         finding.other_thread = static_cast<std::uint32_t>(stamp & kThreadOfStamp);
         finding.other_place = other->place;
-        // Of several, the one that is known may be the one that is here.
+        // With several accesses, the remembered one may be the running thread's own.
         if (finding.other_block == finding.block && (stamp & kSeveralBlocks) != 0) {
             finding.other_block = kSomeOther;
             finding.other_thread = kSomeOther;

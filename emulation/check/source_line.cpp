@@ -26,7 +26,7 @@ std::string output_of(const std::string& command) {
     return text;
 }
 
-/// The kernels and their host side in both tiers, and tests; not what these are made of.
+/// Kernels and their host side in emulation/ and gpu/, and tests; not the code that they build on.
 bool is_kernel_text(std::string_view line) {
     const auto has = [&](std::string_view part) {
         return line.find(part) != std::string_view::npos;
@@ -79,7 +79,7 @@ std::vector<std::string> source_lines(const std::vector<std::uint32_t>& offsets)
     const std::scoped_lock lock(mutex);
     std::string command;
     for (const std::uint32_t offset : offsets) {
-        // One back: a return address is behind the call.
+        // A return address is behind the call, so look one byte back.
         if (offset != 0 && !known.contains(offset)) {
             char text[16];
             std::snprintf(text, sizeof text, " 0x%x", offset - 1);

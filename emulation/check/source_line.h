@@ -1,4 +1,4 @@
-/// From an address in the program's text to the line that was compiled to it.
+/// From an address in the program's text to its source line.
 #pragma once
 
 #include <cstdint>
@@ -7,13 +7,13 @@
 
 namespace scotty::emulation::simt {
 
-/// Where the program's text lies: what source_lines() is asked for are offsets from here.
+/// Where the program's text begins; source_lines() takes offsets from here.
 std::uintptr_t program_begin();
 
 /// "gpu/kernels/intersect.h:107" for every offset, by binutils' addr2line and the program's own
-/// line tables: of calls that were inlined the innermost that is a kernel's or a test's, or else
-/// the innermost. Without addr2line or line tables "scotty+0x1234". Takes a second; remembers what
-/// it was asked.
+/// line tables. For inlined calls it is the innermost line of a kernel or a test, or else the
+/// innermost. Without addr2line or line tables it is "scotty+0x1234". The call takes a second, and
+/// remembers its answers.
 std::vector<std::string> source_lines(const std::vector<std::uint32_t>& offsets);
 std::string source_line(std::uint32_t offset);
 

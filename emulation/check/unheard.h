@@ -1,6 +1,6 @@
-/// Of the checker's own state, in code that is instrumented: the compiler puts its calls in front
-/// of loads and stores that are written in C++, and not of these. With calls, who runs would be
-/// more to tell than what runs.
+/// Loads and stores of the checker's own state in instrumented code: the compiler puts its calls in
+/// front of loads and stores written in C++, and not of these. With calls, announcing which thread
+/// runs would cost more than running it.
 #pragma once
 
 #include <cstdint>
@@ -13,11 +13,11 @@ inline std::uint32_t load_unheard(const std::uint32_t& from) {
     asm("movl %1, %0" : "=r"(value) : "m"(from));
     return value;
 #else
-    return from;  // as right, and slower
+    return from;  // right too, and slower
 #endif
 }
 
-/// What stands before it stays before it, and what stands behind it behind.
+/// The compiler moves no access across this store, in either direction.
 inline void store_unheard(std::uint32_t& to, std::uint32_t value) {
 #if defined(__x86_64__)
     asm volatile("movl %1, %0" : "=m"(to) : "r"(value) : "memory");

@@ -1,6 +1,6 @@
 #include "emulation/check/watch_checked.h"
 
-// Part of programs that check only: compiled with SCOTTY_CHECKED, and not instrumented.
+// Only programs that check contain this: it is compiled with SCOTTY_CHECKED, not instrumented.
 #include <utility>
 
 #include "emulation/execution/launch_error.h"
@@ -20,7 +20,7 @@ simt::MemoryChecker*& latest_checker() {
     static thread_local simt::MemoryChecker* checker = nullptr;
     return checker;
 }
-/// Of the block that runs on this worker.
+/// The order of the block that runs on this worker.
 thread_local Turns turns;
 
 }  // namespace
@@ -79,7 +79,7 @@ std::uint32_t Watch::turn(std::uint32_t i, std::uint32_t active) {
             return i < even ? 2 * i : 2 * (i - even) + 1;
         }
         case ScheduleKind::shuffled: {
-            // Another start for every phase, and either way round: cheap, and none is as written.
+            // Every phase starts elsewhere and goes either way round, which is cheap.
             const std::uint64_t drawn =
                 simt::mixed(turns.schedule.seed, turns.launch,
                             std::uint64_t{context.block} << 20 ^ context.phase);

@@ -1,4 +1,4 @@
-/// The volume tier under the checker: who runs, in which phase, on which memory. The checked
+/// The emulator under the checker: which thread runs, in which phase, on which memory. The checked
 /// build's half of emulation/device/watch.h, which includes it.
 #pragma once
 
@@ -22,15 +22,15 @@
 
 namespace scotty::emulation {
 
-/// What the order of the threads of a block is made of.
+/// What determines the order of a block's threads.
 struct Turns {
     Schedule schedule;
     std::uint64_t launch = 0;
 };
 
-/// Of one device: its checker, and where its workers are.
+/// A device's checker, and the state of its workers.
 class Watch {
-    /// Shared memory of the blocks that a worker runs, one after the other.
+    /// Shared memory of the blocks that a worker runs one after the other.
     struct Worker {
         simt::SharedMemory shared;
         std::vector<simt::SharedShadow> shadow =
@@ -50,13 +50,13 @@ class Watch {
         InBlock(const InBlock&) = delete;
         InBlock& operator=(const InBlock&) = delete;
     };
-    /// `run()` runs the blocks of the launch. Throws LaunchError where something was found in them.
+    /// `run()` runs the blocks of the launch. Throws LaunchError for findings in them.
     void run_launch(std::uint32_t blocks, std::uint32_t threads, const Schedule& schedule,
                     std::uint64_t launch, const std::function<void()>& run);
     static void name_launch(reference::StageKind kind, const reference::StagePlace& place,
                             std::size_t launch);
 
-    /// What stands between phases is a phase of its own, in which thread 0 does the block's work.
+    /// Code between phases is a phase of its own, in which thread 0 does the block's work.
     static void begin_phase() { end_turn(); }
     static void begin_thread(std::uint32_t thread) {
         simt::store_unheard(simt::context.thread, thread);
@@ -68,7 +68,7 @@ class Watch {
         end_turn();
         begin_thread(0);
     }
-    /// The threads of a phase, in the order of the schedule.
+    /// Runs the threads of a phase in the schedule's order.
     template <class Body>
     static void each_thread(std::uint32_t active, Body& body) {
         const bool ascending = is_ascending();
@@ -78,7 +78,7 @@ class Watch {
             body(thread);
         }
     }
-    /// Who runs is told to nobody, so that the loop vectorises: what would ask is a finding.
+    /// Threads are not announced, so that the loop vectorises: accesses are findings.
     static void begin_registers();
     static void end_registers();
     template <class Body>
@@ -89,8 +89,8 @@ class Watch {
             for (std::uint32_t i = 0; i < active; ++i) body(turn(i, active));
         }
     }
-    /// Flattened: registers then are locals that no call sees, which need no watching and cost
-    /// none.
+    /// Flattening turns registers into locals that no call sees, which then need no watching and
+    /// cost nothing.
     template <class Kernel, class Block>
     [[gnu::flatten]] static void run_threads(Kernel& kernel, const Block& block) {
         kernel(block);
@@ -105,7 +105,7 @@ class Watch {
     }
 
     simt::MemoryChecker& checker() { return *checker_; }
-    /// The checker of this host thread's latest device; null where there is none.
+    /// The checker of this host thread's latest device, or null.
     static simt::MemoryChecker* latest();
 
  private:
@@ -116,7 +116,7 @@ class Watch {
 
     std::unique_ptr<simt::MemoryChecker> checker_;
     oneapi::tbb::enumerable_thread_specific<Worker> workers_;
-    std::string kernel_;  ///< of the launch that runs, as reports call it
+    std::string kernel_;  ///< of the running launch, as reports call it
     Turns turns_;
     std::uint32_t first_block_ = 0;  ///< of the launch
     std::uint32_t threads_ = 0;
@@ -124,7 +124,7 @@ class Watch {
 
 template <class T>
 struct WatchedMemory {
-    /// The checker's memory, or, without a watch, plain memory.
+    /// Memory from the checker, or plain memory without a watch.
     struct Release {
         simt::MemoryChecker* checker = nullptr;
         void operator()(T* memory) const {
