@@ -1,4 +1,4 @@
-/// What a buffer of the virtual device is for, as far as the checker can hold a kernel to it.
+/// The use of a virtual device's buffer, as far as the checker can hold a kernel to it.
 #pragma once
 
 namespace scotty::emulation {

@@ -11,7 +11,7 @@
 namespace scotty::emulation::simt {
 
 constexpr std::uint32_t kLanes = 32;
-/// Of a thread or block: which one is not known.
+/// A thread or block that is not known.
 constexpr std::uint32_t kSomeOther = ~0u;
 
 class MemoryChecker;  // check/memory_checker.h
@@ -19,7 +19,7 @@ class Interleaver;    // simt/interleave/interleaver.h
 class FrameArena;     // simt/frame_arena.h
 struct SharedShadow;
 
-/// Where a thread of the block stands.
+/// The place where a thread of the block has stopped.
 struct ThreadStop {
     std::coroutine_handle<> handle;  ///< of its innermost coroutine
     const Site* site = nullptr;
@@ -31,34 +31,34 @@ struct Context {
     std::uint32_t block = 0;
     std::uint32_t block_size = 0;
     std::uint32_t grid_size = 0;
-    std::uint32_t lanes = 0;  ///< of the running warp: fewer than 32 where the block ends in it
-    /// The warp's collective: what lanes bring, and what the last one made of it.
+    std::uint32_t lanes = 0;  ///< of the running warp: fewer than 32 in a short last warp
+    /// The warp's collective: its lanes' contributions, and the last one's result.
     std::uint32_t ballot_in = 0;
     std::uint32_t ballot_out = 0;
     std::uint32_t* ballots_in = nullptr;
     std::uint32_t* ballots_out = nullptr;
     std::uint32_t* values_in = nullptr;
     std::uint32_t* values_out = nullptr;
-    /// Of collectives with a mask, by lane: what the lane has passed, 0 where it stands at none.
+    /// For collectives with a mask, by lane: the mask passed, 0 if the lane waits at none.
     std::uint32_t* masks = nullptr;
-    bool masked = false;  ///< some lane of the warp may stand at one
-    /// By thread of the block: the SCOTTY_RETURN that ended it; null: the kernel's end.
+    bool masked = false;  ///< some lane of the warp may wait at one
+    /// By thread of the block: the SCOTTY_RETURN that ended it, null for the kernel's end.
     const Site** returns = nullptr;
     std::uint32_t started = 0;
     std::uint32_t finished = 0;
     FrameArena* arena = nullptr;
     SharedMemory* shared = nullptr;
     std::uint32_t phase = 0;  ///< barriers that the block has passed
-    /// Where instrumented code was about to access memory when it last was: an address in its text.
+    /// The address in the text of the last access that instrumented code has announced.
     const void* last_access = nullptr;
-    sigjmp_buf* way_out = nullptr;  ///< of a thread that reaches for memory which is not there
-    /// Who hears of the accesses of instrumented kernels; null: nobody.
+    sigjmp_buf* way_out = nullptr;  ///< for a thread that reaches memory which is not there
+    /// Hears of the accesses of instrumented kernels; null: nobody does.
     MemoryChecker* checker = nullptr;
-    /// The same in a phase on registers, where there is nothing to hear: Block::phase_on_registers.
+    /// The same in a phase on registers, which has no accesses: Block::phase_on_registers.
     MemoryChecker* on_registers = nullptr;
-    /// Who hears of them instead, where blocks take turns in their middle; null: they do not.
+    /// Hears of them instead where blocks are switched in their middle; null otherwise.
     Interleaver* interleaver = nullptr;
-    std::uint32_t first_block = 0;          ///< of the launch, to the checker
+    std::uint32_t first_block = 0;          ///< of the launch, as the checker numbers it
     SharedShadow* shared_shadow = nullptr;  ///< of the block's shared memory
 };
 

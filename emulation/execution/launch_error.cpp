@@ -6,7 +6,7 @@ namespace scotty::emulation::simt {
 
 namespace {
 
-/// Relative to the root of the sources, as far as the name of site.h tells where that is.
+/// Makes a path relative to the root of the sources, as far as site.h's own path tells the root.
 std::string_view from_root(std::string_view file) {
     constexpr std::string_view kHere = kSiteHeader;
     constexpr std::string_view kFromRoot = "emulation/execution/site.h";

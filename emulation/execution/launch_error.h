@@ -1,4 +1,4 @@
-/// What a launch dies of: threads that do not meet, or one that failed.
+/// The error that ends a launch: threads that do not meet, or one that failed.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace scotty::emulation::simt {
 /// Threads of one block that stopped at one place, or left at one.
 struct ThreadGroup {
     const Site* stop;     ///< &kLeft for those that left
-    const Site* left_at;  ///< of those: the SCOTTY_RETURN; null: the end of the kernel
+    const Site* left_at;  ///< for those that left: the SCOTTY_RETURN; null: the kernel's end
     std::vector<std::uint32_t> threads;  ///< ascending
 };
 
@@ -23,7 +23,7 @@ std::string thread_list(const std::vector<std::uint32_t>& threads);
 /// "threads 0-31 wait at the barrier gpu/kernels/intersect.h:120".
 std::string to_text(const ThreadGroup& group);
 
-/// The message names kernel, block and threads; a divergence also every place.
+/// The message names kernel, block and threads, and for a divergence every place.
 class LaunchError : public reference::Error {
  public:
     LaunchError(std::string kernel_name, std::uint32_t block_id, std::uint32_t block_size,

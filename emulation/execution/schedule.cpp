@@ -20,7 +20,7 @@ constexpr std::pair<ScheduleKind, const char*> kWords[] = {
     {ScheduleKind::adversarial, "adversarial"}};
 constexpr const char* kShuffle = "shuffle:";
 
-/// Column by column of the smallest square that holds all.
+/// Goes column by column through the smallest square that holds all.
 std::vector<std::uint32_t> strided_order(std::uint32_t count) {
     std::uint64_t side = 0;
     while (side * side < count) ++side;

@@ -1,4 +1,4 @@
-/// Shared memory of one block: an object for each SCOTTY_SHARED that its threads come past.
+/// Shared memory of one block: an object for each SCOTTY_SHARED that its threads reach.
 #pragma once
 
 #include <array>
@@ -11,10 +11,10 @@
 
 namespace scotty::emulation::simt {
 
-/// What unwritten memory holds, shared and global: as a float -4.3e8, as an id out of any range.
+/// Unwritten memory, shared and global, holds this: as a float -4.3e8, as an id out of any range.
 constexpr unsigned char kPoisonByte = 0xcd;
 
-/// The place of what a launch, and not the kernel, says the size of.
+/// The place of shared memory whose size the launch gives.
 inline constexpr char kDynamicShared = 0;
 
 class SharedMemory {
@@ -27,8 +27,8 @@ class SharedMemory {
         used_ = 0;
     }
 
-    /// The object declared at `place`, the same for all threads of the block. It holds poison
-    /// when the first of them comes past.
+    /// The object declared at `place`, the same for all threads of the block. It holds poison when
+    /// the first thread reaches it.
     void* object(const void* place, const char* name, std::size_t bytes, std::size_t alignment) {
         for (std::size_t i = 0; i < declared_; ++i) {
             if (declarations_[i].place == place) return memory_ + declarations_[i].offset;
@@ -45,7 +45,7 @@ class SharedMemory {
         return memory_ + offset;
     }
 
-    /// Null where the launch gave none.
+    /// Null if the launch gave none.
     void* dynamic() {
         for (std::size_t i = 0; i < declared_; ++i) {
             if (declarations_[i].place == &kDynamicShared) return memory_ + declarations_[i].offset;
@@ -54,7 +54,7 @@ class SharedMemory {
     }
 
     const std::byte* memory() const { return memory_; }
-    std::size_t used() const { return used_; }  ///< bytes that are somebody's
+    std::size_t used() const { return used_; }  ///< bytes given out
     /// "counts, byte 12", for an offset in memory().
     std::string name_at(std::size_t offset) const {
         if (offset >= used_) return "behind all of it, byte " + std::to_string(offset - used_);

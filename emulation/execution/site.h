@@ -1,6 +1,6 @@
-/// Where a thread waits, or left: one constant for each place in a kernel's text.
+/// A place where a thread waits or left: one constant for each place in a kernel's text.
 ///
-/// Places are compared by address. The dialect's words make one each, so that two words in a line
+/// Places are compared by address. Each word of the dialect makes one, so that two words in a line
 /// are two places.
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace scotty::emulation::simt {
 
-/// Where the compiler finds this file: what its names of files begin with.
+/// This file's path as the compiler sees it: the beginning shared by all such paths.
 inline constexpr const char* kSiteHeader = __FILE__;
 
 enum class SiteKind : std::uint8_t { barrier, collective, exit };
@@ -19,13 +19,13 @@ struct Site {
     SiteKind kind;
 };
 
-/// What is noted of a thread that has left its kernel.
+/// The mark of a thread that has left its kernel.
 inline constexpr Site kLeft{"", 0, SiteKind::exit};
 
 }  // namespace scotty::emulation::simt
 
-/// The Site of this place. A lambda without captures: g++ 12 destroys captures inside an await
-/// expression twice.
+/// The Site of this place. The lambda has no captures, because g++ 12 destroys captures inside an
+/// await expression twice.
 #define SCOTTY_SITE(kind)                                                   \
     ([]() -> const ::scotty::emulation::simt::Site& {                       \
         static constexpr ::scotty::emulation::simt::Site site{              \

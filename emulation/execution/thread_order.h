@@ -1,4 +1,4 @@
-/// In which order the warps of a block, and the lanes of a warp, take their turns.
+/// The order in which the warps of a block, and the lanes of a warp, take turns.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace scotty::emulation::simt {
 
-/// Mixes the numbers that name a block of a launch to the seed of its orders.
+/// Mixes the numbers that name a block of a launch into the seed of its orders.
 constexpr std::uint64_t mixed(std::uint64_t seed, std::uint64_t launch, std::uint64_t block) {
     std::uint64_t x = seed + 0x9e3779b97f4a7c15ull * (launch + 1) + 0xbf58476d1ce4e5b9ull * block;
     x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
@@ -20,7 +20,7 @@ constexpr std::uint64_t mixed(std::uint64_t seed, std::uint64_t launch, std::uin
     return x ^ (x >> 31);
 }
 
-/// Fisher and Yates. Not std::shuffle: its order is the library's choice, and a seed must replay
+/// Fisher and Yates' shuffle. std::shuffle's order is the library's choice, and a seed must replay
 /// everywhere.
 template <class Iterator, class Generator>
 void shuffle(Iterator begin, Iterator end, Generator& generator) {
@@ -47,7 +47,7 @@ class ThreadOrder {
         }
         if (shuffles_) generator_.seed(seed);
     }
-    /// Before each phase of the block: another order, where it is shuffled.
+    /// Called before each phase of the block; a shuffled order changes.
     void start_phase() {
         if (!shuffles_) return;
         shuffle(warp_order.begin(), warp_order.begin() + warps_, generator_);
@@ -58,7 +58,7 @@ class ThreadOrder {
     std::array<std::uint8_t, kLanes> lane_order{};
 
  private:
-    /// As the blocks: block_order().
+    /// The same order as for blocks: block_order().
     template <class Iterator>
     static void take_strided(Iterator out, std::uint32_t count) {
         for (const std::uint32_t i : block_order({ScheduleKind::strided, 0}, 1, count)) {
