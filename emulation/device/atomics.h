@@ -42,7 +42,7 @@ inline void atomic_min_distance(float& target, float value) {
     }
 }
 
-/// A read while others may write: the early-out's, never wrong, only late.
+/// A read while others may write: the early-out's value is never wrong, only late.
 template <class T>
 T load_watched(const T& source) {
 #if defined(SCOTTY_CHECKED)

@@ -1,9 +1,9 @@
 /// The virtual device: grids of blocks, blocks of threads, run in phases on TBB.
 ///
-/// Volume tier (docs/design.md): a kernel is a function of one Block. Blocks run in parallel and in
-/// any order; inside a block every thread finishes a phase before any starts the next, which is
-/// what a barrier means. Shared memory is an object on the worker's stack; atomics on global
-/// memory are real atomics (atomics.h). In the checked build every access is watched (watch.h).
+/// A kernel is a function of one Block. Blocks run in parallel and in any order; inside a block
+/// every thread finishes a phase before any starts the next, which is what a barrier means. Shared
+/// memory is an object on the worker's stack; atomics on global memory are real atomics
+/// (atomics.h). In the checked build every access is watched (watch.h).
 #pragma once
 
 #include <oneapi/tbb/blocked_range.h>
@@ -20,7 +20,7 @@
 
 namespace scotty::emulation {
 
-/// The thread that runs, in a phase on registers: reaches its own without being asked who it is.
+/// The running thread in a phase on registers, which reaches its own registers unannounced.
 class OwnThread {
  public:
     explicit OwnThread(std::uint32_t index) : index_(index) {}
@@ -30,10 +30,10 @@ class OwnThread {
     std::uint32_t index_;
 };
 
-/// One value per thread of a block that lives across phases: what a register is on the device. Only
-/// its own thread may touch it; what threads hand to each other is Shared. Uninitialised, as
-/// registers are. One cache line longer than it needs: arrays a page apart would all fall into the
-/// same sets of the first-level cache.
+/// One value per thread of a block that lives across phases, as a register does on the device. Only
+/// its own thread may touch it; threads hand values to each other through Shared. It is
+/// uninitialised, as registers are, and one cache line longer than needed: arrays a page apart
+/// would all fall into the same sets of the first-level cache.
 template <class T>
 struct PerThread {
     alignas(64) T values[kMaxThreads + 64 / sizeof(T)];
@@ -49,8 +49,8 @@ struct PerThread {
     const T& operator[](OwnThread thread) const { return values[thread]; }
 };
 
-/// Shared memory of a block, which its threads may hand values through from phase to phase:
-/// SCOTTY_SHARED of the CUDA kernels. Declared in the kernel, uninitialised; `name` is for reports.
+/// Shared memory of a block: its threads hand values to each other here from phase to phase, as in
+/// SCOTTY_SHARED. A kernel declares it, uninitialised; reports use `name`.
 template <class T, std::uint32_t Count = kMaxThreads>
 class Shared {
  public:
@@ -64,7 +64,7 @@ class Shared {
     WatchedShared<T, Count> memory_;
 };
 
-/// What a kernel sees of its place in the grid.
+/// A kernel's view of its place in the grid.
 class Block {
  public:
     Block(std::uint32_t index, std::uint32_t threads) : index_(index), threads_(threads) {}
@@ -74,8 +74,8 @@ class Block {
     std::uint32_t global_thread(std::uint32_t thread) const { return index_ * threads_ + thread; }
 
     /// A phase: `body(thread)` for the first `active` threads; the others idle to the barrier that
-    /// ends it. Threads of one phase must not depend on each other (loops may vectorise), and
-    /// nothing is handed from one to the next but through the last three below.
+    /// ends it. Threads of one phase must not depend on each other (loops may vectorise), and only
+    /// the last three functions below hand values from one to the next.
     template <class Body>
     void phase(std::uint32_t active, Body&& body) const {
         Watch::begin_phase();
@@ -86,9 +86,9 @@ class Block {
     void phase(Body&& body) const {
         phase(threads_, body);
     }
-    /// A phase whose threads touch their registers and values of the block that no kernel can
-    /// change, and no memory: `body(OwnThread)`. It vectorises under the checker, too, which
-    /// reports memory that is touched all the same.
+    /// A phase whose threads touch only registers and values of the block that no kernel can
+    /// change, and no memory: `body(OwnThread)`. It vectorises under the checker too, which reports
+    /// any access to memory.
     template <class Body>
     void phase_on_registers(std::uint32_t active, Body&& body) const {
         Watch::begin_phase();
@@ -105,8 +105,8 @@ class Block {
         body();
         Watch::end_phase();
     }
-    /// Threads take turns in ascending order, each with a barrier before and behind it: a running
-    /// total may go from one to the next. What a scan or a ballot is on the device.
+    /// Threads take turns in ascending order, each with a barrier before and after it, so a running
+    /// total may go from one to the next. On the device this is a scan or a ballot.
     template <class Body>
     void phase_in_order(std::uint32_t active, Body&& body) const {
         Watch::begin_phase();
@@ -117,7 +117,7 @@ class Block {
         }
         Watch::end_phase();
     }
-    /// How many of the first `active` threads say yes: __syncthreads_count.
+    /// Counts how many of the first `active` threads say yes: __syncthreads_count.
     template <class Predicate>
     std::uint32_t count(std::uint32_t active, Predicate&& predicate) const {
         std::uint32_t total = 0;
@@ -173,7 +173,7 @@ class Device {
     Watch& watch() { return watch_; }
 
  private:
-    /// Blocks a worker takes at once: about a thousand threads' work.
+    /// Blocks that a worker takes at once: about a thousand threads' work.
     static std::uint32_t grain(std::uint32_t threads) {
         return std::max<std::uint32_t>(1, 1024 / threads);
     }

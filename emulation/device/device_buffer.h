@@ -12,17 +12,17 @@
 
 namespace scotty::emulation {
 
-/// The host writes through fill() and generate(): the checked build has to know what is written.
+/// The host writes through fill() and generate(), so that the checked build knows what is written.
 template <class T>
 class DeviceBuffer {
  public:
-    DeviceBuffer() = default;  ///< of no device: nobody watches
-    /// `device` outlives it; `name` is what reports call it. In a buffer of `each_slot_once` a slot
-    /// is written once at most between two discard().
+    DeviceBuffer() = default;  ///< of no device, and unwatched
+    /// `device` outlives it; reports use `name`. In a buffer of `each_slot_once` a slot is written
+    /// at most once between two calls of discard().
     DeviceBuffer(Device& device, const char* name, BufferUse use = BufferUse::any)
         : watch_(&device.watch()), name_(name), use_(use) {}
 
-    /// At least `count` elements; what was in it is lost when it has to grow.
+    /// Makes room for at least `count` elements; growing loses the content.
     void resize(std::size_t count) {
         if (count > capacity_) {
             if (count * sizeof(T) >= kLarge) {
@@ -38,12 +38,12 @@ class DeviceBuffer {
         }
         count_ = count;
     }
-    /// From here on nobody needs what is in it.
+    /// From here on the content is no longer needed.
     void discard() { WatchedMemory<T>::discard(watch_, memory_.get(), count_, use_); }
     void fill(const T& value) {
         generate([&](std::size_t) { return value; });
     }
-    /// Element i becomes value(i).
+    /// Sets element i to value(i).
     template <class Value>
     void generate(const Value& value) {
         for (std::size_t i = 0; i < count_; ++i) memory_[i] = value(i);
@@ -63,7 +63,7 @@ class DeviceBuffer {
     Watch* watch_ = nullptr;
     const char* name_ = "";
     BufferUse use_ = BufferUse::any;
-    /// Bytes from which on it is asked whether they are there.
+    /// From this many bytes on, the system is asked first whether it has them.
     static constexpr std::size_t kLarge = std::size_t{1} << 24;
 
     typename WatchedMemory<T>::Pointer memory_;

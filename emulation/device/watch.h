@@ -1,7 +1,7 @@
-/// What the virtual device tells the checker of loads and stores (docs/kernel-dialect.md).
+/// What the virtual device tells the checker of loads and stores (docs/checking.md).
 ///
-/// In the checked build (scotty-checked) these are real: simt/check/watch_checked.h. Everywhere
-/// else they are empty and cost nothing.
+/// In the checked build (scotty-checked) check/watch_checked.h replaces these. Everywhere else they
+/// are empty and cost nothing.
 #pragma once
 
 #include "emulation/execution/buffer_use.h"
@@ -21,10 +21,10 @@
 
 namespace scotty::emulation {
 
-/// Of one device.
+/// The watch of one device.
 class Watch {
  public:
-    /// While a block runs on a worker.
+    /// Lives while a block runs on a worker.
     struct InBlock {
         InBlock(Watch&, std::uint32_t /*index*/, std::uint32_t /*threads*/) {}
     };
@@ -34,7 +34,7 @@ class Watch {
         run();
     }
 
-    /// What the launches of this host thread are called from now on.
+    /// Names the launches of this host thread from now on.
     static void name_launch(reference::StageKind, const reference::StagePlace&,
                             std::size_t /*launch*/) {}
     static void begin_phase() {}
@@ -43,7 +43,7 @@ class Watch {
     static void end_turn() {}
     static void begin_registers() {}
     static void end_registers() {}
-    /// The threads of a phase.
+    /// Runs the threads of a phase.
     template <class Body>
     static void each_thread(std::uint32_t active, Body& body) {
         for (std::uint32_t thread = 0; thread < active; ++thread) body(thread);
@@ -59,7 +59,7 @@ class Watch {
     static void own_register(std::uint32_t /*thread*/) {}
 };
 
-/// Memory of a device.
+/// A device's memory.
 template <class T>
 struct WatchedMemory {
     using Pointer = std::unique_ptr<T[]>;
@@ -70,7 +70,7 @@ struct WatchedMemory {
     static void discard(Watch*, const T*, std::size_t, BufferUse) {}
 };
 
-/// Shared memory of a block: on the worker's stack. One cache line longer than it needs: see
+/// A block's shared memory, on the worker's stack. It is one cache line longer than needed: see
 /// PerThread.
 template <class T, std::uint32_t Count>
 struct WatchedShared {
