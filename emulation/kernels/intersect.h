@@ -19,24 +19,24 @@
 
 namespace scotty::emulation {
 
-/// The rays that a block has loaded: one register each, of each thread.
+/// The rays that a block has loaded, with one register each per thread.
 struct BlockRays {
     PerThread<std::uint32_t> id;
     PerThread<float> origin_x, origin_y, origin_z;
     PerThread<float> inverse_x, inverse_y, inverse_z;
     PerThread<float> t_min, t_max;
-    PerThread<float> limit;  ///< nearest hit known: +infinity when nothing culls
+    PerThread<float> limit;  ///< nearest hit known; +infinity if nothing culls
 };
 
-/// The block's place: which node, and which part of its queue.
+/// The block's work: a node, and a part of its queue.
 struct BlockWork {
     std::uint32_t node;   ///< position in the level; kNone: an idle block of the 2-D grid
     std::uint32_t first;  ///< first entry of the node's queue
     std::uint32_t count;  ///< entries, 1..B
 };
 
-/// Logical index of a launched block. Strided: the report's sqrt(total) x sqrt(total) grid with y
-/// as the minor index, so that neighbours in launch order work on different nodes.
+/// Logical index of a launched block. Strided: the 2018 paper's sqrt(total) x sqrt(total) grid with
+/// y as the minor index, so that neighbours in launch order work on different nodes.
 inline std::uint32_t logical_block(std::uint32_t launched, std::uint32_t grid_side) {
     return grid_side == 0 ? launched : launched % grid_side * grid_side + launched / grid_side;
 }
@@ -50,7 +50,7 @@ inline std::uint32_t find_node(const Block& block, const std::uint32_t* block_of
     while (length > 1) {
         const std::uint32_t step = (length + block.threads() - 1) / block.threads();
         const std::uint32_t probes = (length + step - 1) / step;
-        // How many threads found their probe at or before the block.
+        // Count the threads that found their probe at or before the block.
         const std::uint32_t passed = block.count(probes, [&](std::uint32_t thread) {
             return block_offsets[low + thread * step] <= block_id;
         });
@@ -142,7 +142,7 @@ void test_children(const Block& block, std::uint32_t count, const reference::Wid
     }
 }
 
-/// The report's array compaction: ranks by exclusive scan in the block, one atomicAdd per child.
+/// The 2018 paper's compaction: ranks by exclusive scan in the block, one atomicAdd per child.
 template <int Width>
 void push_to_children(const Block& block, std::uint32_t count,
                       const reference::WideNode<Width>& node,
@@ -171,7 +171,7 @@ void push_to_children(const Block& block, std::uint32_t count,
     }
 }
 
-/// Shear of each thread's ray, for the triangle test.
+/// The shear of each thread's ray, for the triangle test.
 struct BlockShear {
     PerThread<std::int32_t> kz;
     PerThread<float> sx, sy, sz;
@@ -192,7 +192,7 @@ inline reference::RayShear shear_of(const BlockShear& shear, OwnThread thread) {
     return {shear.kz[thread], shear.sx[thread], shear.sy[thread], shear.sz[thread]};
 }
 
-/// Appends a leaf's hit to what the ray has gathered, and lowers its minimum.
+/// Appends a leaf's hit to those that the ray has gathered, and lowers its minimum.
 inline void record_hit(std::uint32_t ray_id, const reference::HitCandidate& hit,
                        const HitView& hits, const MinimumView& minimum) {
     if (hits.mode == reference::HitMode::packed) {
@@ -203,7 +203,7 @@ inline void record_hit(std::uint32_t ray_id, const reference::HitCandidate& hit,
         if (slot < hits.capacity) {
             hits.candidates[std::size_t{ray_id} * hits.capacity + slot] = hit;
         } else {
-            atomic_max(*hits.needed, slot + 1);  // never silent: the host grows and retries
+            atomic_max(*hits.needed, slot + 1);  // the host then grows it and retries
         }
     }
     if (minimum.policy != reference::EarlyOut::off) {
@@ -211,10 +211,10 @@ inline void record_hit(std::uint32_t ray_id, const reference::HitCandidate& hit,
     }
 }
 
-/// Triangles that a block holds in shared memory at once; larger leaves come in several loads.
+/// Triangles that a block holds in shared memory at once; larger leaves take several loads.
 constexpr std::uint32_t kLeafChunk = 64;
 
-/// Closest hit of each ray of the block in one leaf.
+/// Finds the closest hit of each ray of the block in one leaf.
 inline void intersect_leaf(const Block& block, std::uint32_t count, const reference::Leaf& leaf,
                            const reference::LeafTriangle* triangles, const reference::Ray* rays,
                            const BlockRays& loaded, const HitView& hits,
@@ -233,7 +233,7 @@ inline void intersect_leaf(const Block& block, std::uint32_t count, const refere
         std::copy_n(triangles + leaf.first + done, chunk, shared);
         for (std::uint32_t i = 0; i < chunk; ++i) {
             const reference::LeafTriangle triangle = shared[i];
-            // Sign test for all threads first: most rays pass outside most triangles.
+            // Test signs for all threads first: most rays pass outside most triangles.
             block.phase_on_registers(count, [&](OwnThread thread) {
                 const Vec3 origin(loaded.origin_x[thread], loaded.origin_y[thread],
                                   loaded.origin_z[thread]);
@@ -274,7 +274,7 @@ inline void intersect_leaf(const Block& block, std::uint32_t count, const refere
     });
 }
 
-/// What both level kernels do: finds the block's rays, intersects a leaf with them, or hands them
+/// Common to both level kernels: finds the block's rays, intersects a leaf with them, or hands them
 /// to `visit(inner, work, rays)`. `grid_side`: 0 for linear block order, else the side of the 2-D
 /// grid.
 template <int Width, class Visit>

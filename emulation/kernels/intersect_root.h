@@ -1,11 +1,11 @@
-/// Kernel: level 0. One node, and a queue that need not exist: ray ids are thread ids.
+/// Kernel: level 0. It has one node, whose queue need not exist: ray ids are thread ids.
 #pragma once
 
 #include "emulation/kernels/intersect.h"
 
 namespace scotty::emulation {
 
-/// The root is always an inner node (WideBvh), so no search and no leaf.
+/// The root is always an inner node (WideBvh), so there is no search and no leaf.
 template <int Width>
 void intersect_root(const Block& block, const reference::WideBvhView<Width>& bvh,
                     const reference::Ray* rays, std::uint32_t ray_count, const LevelView& level,

@@ -1,5 +1,5 @@
-/// Kernel: the last level that has queues, where that is not the last of the tree. Each ray goes on
-/// from its node alone, depth first. Leaves of the level are as everywhere.
+/// Kernel: the last level that has queues, if the tree goes on below it. Each ray goes on from its
+/// node alone, depth-first. Leaves of the level are treated as on every level.
 #pragma once
 
 #include <cstring>
@@ -9,7 +9,7 @@
 
 namespace scotty::emulation {
 
-/// What reference/numerics/closest_in_subtree.h asks of a BVH.
+/// The view of a BVH that reference/numerics/closest_in_subtree.h needs.
 template <int Width>
 struct SubtreeAccess {
     reference::WideBvhView<Width> bvh;

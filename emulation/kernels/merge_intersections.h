@@ -13,7 +13,7 @@
 
 namespace scotty::emulation {
 
-/// Lowest (t, primitive) of what a ray has gathered; primitive kNone where that is nothing.
+/// Lowest (t, primitive) of a ray's gathered hits; primitive kNone if it has none.
 inline reference::HitCandidate closest_candidate(std::uint32_t ray_id, const HitView& hits) {
     reference::HitCandidate best{reference::kInfinity, reference::kNone};
     if (hits.mode == reference::HitMode::packed) {

@@ -1,7 +1,7 @@
 /// Kernel: one block scans a level's queue lengths into block offsets and the children's regions.
 ///
-/// "Limited blocks": a node gets ceil(count / rays per block) blocks, not as many as the worst case
-/// would need. A child's region is as long as its parent's queue, which no push can exceed.
+/// "Limited blocks": a node gets ceil(count / rays per block) blocks, not the worst case's number.
+/// A child's region is as long as its parent's queue, which no push can exceed.
 #pragma once
 
 #include <cstdint>

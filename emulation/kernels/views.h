@@ -1,4 +1,4 @@
-/// What kernels are handed: plain pointers into device buffers, and sizes.
+/// The arguments of kernels: plain pointers into device buffers, and sizes.
 #pragma once
 
 #include <cstdint>
@@ -16,10 +16,10 @@ using reference::kDone;
 using reference::kNoPackedHit;
 using reference::PathView;
 
-/// What a traversal gathers, by ray id.
+/// The hits that a traversal gathers, by ray id.
 struct HitView {
     reference::HitMode mode;
-    std::uint32_t capacity;               ///< slots a ray in the multi-intersection buffer
+    std::uint32_t capacity;               ///< slots per ray in the multi-intersection buffer
     std::uint32_t* counts;                ///< buffer mode: hits so far, may exceed the capacity
     reference::HitCandidate* candidates;  ///< buffer mode: [ray * capacity + slot]
     std::uint64_t* packed;                ///< packed mode: t bits << 32 | primitive
@@ -30,8 +30,8 @@ struct HitView {
 struct MinimumView {
     reference::EarlyOut policy;
     bool any_hit;    ///< the traversal asks only whether something is hit
-    float* minimum;  ///< what kernels cull by
-    float* lowered;  ///< what they lower: the same array under `immediate`
+    float* minimum;  ///< the values that kernels cull by
+    float* lowered;  ///< the values that they lower: the same array under `immediate`
 };
 
 /// The queues of one level and of the next. Node indices are positions within their level.
@@ -42,7 +42,7 @@ struct LevelView {
     const std::uint32_t* node_counts;    ///< entries in each node's queue
     const std::uint32_t* queue_offsets;  ///< where each node's queue begins
     const std::uint32_t* queue;          ///< ray ids; null at the root, whose queue is 0..n-1
-    const std::uint32_t* block_offsets;  ///< [node_count + 1], exclusive scan of blocks a node
+    const std::uint32_t* block_offsets;  ///< [node_count + 1], exclusive scan of blocks per node
     std::uint32_t* child_counts;         ///< of the next level's nodes
     const std::uint32_t* child_offsets;  ///< [children + 1]: each child's region of child_queue
     std::uint32_t* child_queue;
