@@ -17,7 +17,7 @@ struct BlockRank {
     std::uint32_t total;  ///< of the whole block
 };
 
-/// All threads of the block take part; ends with a barrier, so `shared` can be used again.
+/// All threads of the block take part; it ends with a barrier, so `shared` can be used again.
 SCOTTY_COLLECTIVE(BlockRank) block_exclusive_scan(std::uint32_t value, BlockScanShared& shared) {
     std::uint32_t inclusive = value;
     for (std::uint32_t delta = 1; delta < kWarpSize; delta *= 2) {

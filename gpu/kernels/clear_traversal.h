@@ -1,4 +1,4 @@
-/// Kernel: what a traversal starts from: all rays at the root, and everything else zero.
+/// Kernel: the state in which a traversal starts: all rays at the root, everything else zero.
 #pragma once
 
 #include "gpu/kernels/dialect.h"

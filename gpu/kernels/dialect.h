@@ -1,9 +1,9 @@
 /// The kernel dialect: the few words that let one kernel text be CUDA and, elsewhere, coroutines.
 ///
-/// Under nvcc every word is plain CUDA. Another executor (emulation/) defines
+/// Under nvcc every word is plain CUDA. Another executor (emulation/simt/) defines
 /// SCOTTY_DIALECT_HEADER and gives the same words its own meaning; docs/kernel-dialect.md lists
-/// them. Everything else in a kernel is ordinary C++ and the functions below, which carry the names
-/// of what they do on the device.
+/// them. Everything else in a kernel is ordinary C++ and the functions below, each named for what
+/// it does on the device.
 ///
 /// One program may hold several builds of the same text (exact and fast arithmetic, the executor),
 /// so that all of gpu/ but its public headers lives in SCOTTY_DEVICE_NAMESPACE.
@@ -23,8 +23,8 @@
 
 /// A kernel; its parameter list follows.
 #define SCOTTY_KERNEL(name) static __global__ void name
-/// The same with registers for no more than `threads` a block and no less than `blocks` at once on
-/// a multiprocessor.
+/// The same with registers for at most `threads` per block and at least `blocks` at once on a
+/// multiprocessor.
 #define SCOTTY_KERNEL_SIZED(threads, blocks, name) \
     static __global__ void __launch_bounds__(threads, blocks) name
 /// A device function without barriers or collectives.
@@ -39,7 +39,7 @@
 #define SCOTTY_RETURN return
 /// Shared memory of the block.
 #define SCOTTY_SHARED(type, name) __shared__ type name
-/// Shared memory of the block, as much as the launch gave: a pointer to its first element.
+/// Shared memory of the block, of the size that the launch gave: a pointer to its first element.
 #define SCOTTY_SHARED_DYNAMIC(type, name)                                \
     extern __shared__ __align__(16) unsigned char scotty_shared_bytes[]; \
     type* const name = reinterpret_cast<type*>(scotty_shared_bytes)
@@ -52,9 +52,9 @@
 
 namespace SCOTTY_DEVICE_NAMESPACE {
 
-/// What reports call a piece of device memory, where somebody checks what is done with it.
+/// Names a piece of device memory for reports, where a checker watches it.
 inline void label_memory(const void* /*memory*/, const char* /*name*/) {}
-/// Nobody needs what is in it; until the next call each place is written once at most.
+/// The content is no longer needed; until the next call each place is written at most once.
 inline void discard_slots(const void* /*memory*/, std::size_t /*bytes*/) {}
 
 constexpr std::uint32_t kWarpSize = 32;
@@ -67,7 +67,7 @@ SCOTTY_DEVICE std::uint32_t grid_size() { return gridDim.x; }
 SCOTTY_DEVICE std::uint32_t lane_index() { return threadIdx.x % kWarpSize; }
 SCOTTY_DEVICE std::uint32_t warp_index() { return threadIdx.x / kWarpSize; }
 
-// Collectives of the lanes that `mask` names; each of them passes the same mask, and is in it.
+// Collectives of the lanes that `mask` names; each of them passes the same mask and is in it.
 
 /// Bit i: the predicate of lane i.
 SCOTTY_DEVICE std::uint32_t warp_ballot(bool predicate, std::uint32_t mask = kWholeWarp) {
@@ -88,7 +88,7 @@ SCOTTY_DEVICE std::uint32_t warp_shuffle(std::uint32_t value, std::uint32_t lane
                                          std::uint32_t mask = kWholeWarp) {
     return __shfl_sync(mask, value, static_cast<int>(lane));
 }
-/// A ballot for each of the `Count` lowest bits.
+/// Takes a ballot for each of the `Count` lowest bits.
 template <int Count>
 struct Ballots {
     std::uint32_t of[Count];
@@ -100,7 +100,7 @@ SCOTTY_DEVICE Ballots<Count> warp_ballots(std::uint32_t bits) {
     for (int i = 0; i < Count; ++i) ballots.of[i] = warp_ballot((bits >> i & 1u) != 0);
     return ballots;
 }
-/// The value that the lane `delta` below holds; the lane's own where there is none.
+/// The value that the lane `delta` below holds; without such a lane, the caller's own.
 SCOTTY_DEVICE std::uint32_t warp_shuffle_up(std::uint32_t value, std::uint32_t delta) {
     return __shfl_up_sync(kWholeWarp, value, delta);
 }
@@ -121,34 +121,34 @@ SCOTTY_DEVICE void atomic_min(std::uint64_t* target, std::uint64_t value) {
     atomicMin(reinterpret_cast<unsigned long long*>(target),
               static_cast<unsigned long long>(value));
 }
-/// Distances are ordered by their bits as signed integers: right from +0 up, and for the negative
-/// "done" mark below all of them.
+/// Distances are ordered by their bits as signed integers: this holds from +0 up, and the negative
+/// "done" mark is below all of them.
 SCOTTY_DEVICE void atomic_min_distance(float* target, float value) {
     atomicMin(reinterpret_cast<int*>(target), __float_as_int(value));
 }
-/// A read while others may write (early-out `immediate`): never wrong, only late.
+/// A read while others may write (early-out `immediate`): its value is never wrong, only late.
 SCOTTY_DEVICE float load_relaxed(const float* source) {
     return *static_cast<const volatile float*>(source);
 }
 SCOTTY_DEVICE std::uint64_t load_relaxed(const std::uint64_t* source) {
     return *static_cast<const volatile std::uint64_t*>(source);
 }
-/// A write that others may read at the same time: they see the word before or after, whole.
+/// A write that others may read at the same time: they see the old or the new word, whole.
 SCOTTY_DEVICE void store_relaxed(std::uint64_t* target, std::uint64_t value) {
     *static_cast<volatile std::uint64_t*>(target) = value;
 }
 SCOTTY_DEVICE std::uint32_t float_bits(float value) { return __float_as_uint(value); }
 SCOTTY_DEVICE float bits_float(std::uint32_t bits) { return __uint_as_float(bits); }
 
-/// The greatest of three by their bits as signed integers, one instruction from Hopper on: the
-/// greatest number too, unless all are negative.
+/// The greatest of three by their bits as signed integers, in one instruction from Hopper on. It is
+/// the greatest number too, unless all are negative.
 SCOTTY_DEVICE float greatest_bits(float a, float b, float c) {
     return __int_as_float(__vimax3_s32(__float_as_int(a), __float_as_int(b), __float_as_int(c)));
 }
 SCOTTY_DEVICE float greatest_bits(float a, float b) {
     return __int_as_float(max(__float_as_int(a), __float_as_int(b)));
 }
-/// The least of three likewise: the least number too, or some negative one where any is negative.
+/// The least of three likewise: the least number too, or a negative one where any is negative.
 SCOTTY_DEVICE float least_bits(float a, float b, float c) {
     return __int_as_float(__vimin3_s32(__float_as_int(a), __float_as_int(b), __float_as_int(c)));
 }
@@ -169,7 +169,7 @@ SCOTTY_DEVICE Record load_pieces(const Record* source) {
     }
     return loaded.record;
 }
-/// In pieces of 16, 8 or 4 bytes, for which records are aligned.
+/// Copies in pieces of 16, 8 or 4 bytes, to which records are aligned.
 template <class Record>
 SCOTTY_DEVICE Record load_record(const Record* source) {
     static_assert(sizeof(Record) % 4 == 0, "whole words");

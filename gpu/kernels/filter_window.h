@@ -1,4 +1,4 @@
-/// What the image filters share: the image, and pixels around a pixel.
+/// Shared by the image filters: the image, and the pixels around a pixel.
 #pragma once
 
 #include <cstdint>

@@ -1,7 +1,7 @@
 /// Kernel: one level of the breadth-first traversal. One block takes up to B rays of one node.
 ///
-/// The grid is as large as the device holds at once, and blocks take logical block after logical
-/// block: their number is known on the device only, and the host never waits for it.
+/// The grid is as large as the device holds at once, and each block takes one logical block after
+/// another: only the device knows their number, and the host never waits for it.
 #pragma once
 
 #include "gpu/kernels/dialect.h"
@@ -23,13 +23,13 @@ struct IntersectShared {
     TriangleRows triangles[kLeafChunk];
 };
 
-/// A thread's place: in the queue of which node, and which entry of it.
+/// A thread's work: a node's queue, and an entry of it.
 struct BlockWork {
     std::uint32_t node;
     std::uint32_t entry;
 };
 
-/// Smallest side of a square that holds `blocks`.
+/// The smallest side of a square that holds `blocks`.
 SCOTTY_DEVICE std::uint32_t side_of_grid(std::uint32_t blocks) {
     auto side = static_cast<std::uint32_t>(sqrtf(static_cast<float>(blocks)));
     while (side > 0 && static_cast<std::uint64_t>(side - 1) * (side - 1) >= blocks) --side;
@@ -37,8 +37,8 @@ SCOTTY_DEVICE std::uint32_t side_of_grid(std::uint32_t blocks) {
     return side;
 }
 
-/// Parallel search: the lanes of a warp probe the scanned block offsets together, each round
-/// narrowing the range 32 times. Every warp of the block finds the same node.
+/// Parallel search: the lanes of a warp probe the scanned block offsets together, and each round
+/// narrows the range 32 times. Every warp of the block finds the same node.
 SCOTTY_COLLECTIVE(std::uint32_t)
 find_node(const std::uint32_t* block_offsets, std::uint32_t node_count, std::uint32_t block_id) {
     std::uint32_t low = 0;
@@ -142,7 +142,7 @@ SCOTTY_DEVICE void record_hit(std::uint32_t ray_id, const reference::HitCandidat
     }
 }
 
-/// What a ray's traversal starts from: no hits, and a minimum of t_max.
+/// The state in which a ray's traversal starts: no hits, and a minimum of t_max.
 SCOTTY_DEVICE void begin_ray(std::uint32_t ray_id, const reference::Ray& ray, const HitView& hits,
                              const MinimumView& minimum) {
     if (hits.packed_mode != 0) {
@@ -155,14 +155,14 @@ SCOTTY_DEVICE void begin_ray(std::uint32_t ray_id, const reference::Ray& ray, co
     if (minimum.lowered != minimum.minimum) minimum.lowered[ray_id] = ray.t_max;
 }
 
-/// What a ray is culled by in this launch; at the `first` it is not there to be read yet.
+/// The distance that culls a ray in this launch; at the `first` there is none to read yet.
 SCOTTY_DEVICE float limit_of(std::uint32_t ray_id, const reference::Ray& ray, bool first,
                              const MinimumView& minimum) {
     if (minimum.culls == 0) return reference::kInfinity;
     return first ? ray.t_max : load_relaxed(minimum.minimum + ray_id);
 }
 
-/// Closest hit of each ray of the block in one leaf; triangles come through shared memory.
+/// Finds the closest hit of each ray of the block in one leaf, through shared memory.
 template <int Width>
 SCOTTY_COLLECTIVE(void)
 intersect_leaf(const reference::Leaf& leaf, const TriangleRows* triangles, bool active,
@@ -224,7 +224,7 @@ SCOTTY_DEVICE BlockGrid block_grid(const LevelView& level, bool strided) {
     return {total, side, strided ? side * side : total};
 }
 
-/// Logical index of a launched block; of idle ones no less than the total.
+/// Logical index of a launched block; for idle ones it is at least the total.
 SCOTTY_DEVICE std::uint32_t logical_block(const BlockGrid& grid, std::uint32_t launched) {
     return grid.side == 0 ? launched : launched % grid.side * grid.side + launched / grid.side;
 }

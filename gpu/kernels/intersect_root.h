@@ -1,5 +1,5 @@
-/// Kernel: level 0, where traversals begin. One node, and a queue that need not exist: ray ids are
-/// thread ids.
+/// Kernel: level 0, where traversals begin. It has one node, whose queue need not exist: ray ids
+/// are thread ids.
 #pragma once
 
 #include "gpu/kernels/dialect.h"
@@ -7,7 +7,7 @@
 
 namespace SCOTTY_DEVICE_NAMESPACE {
 
-/// The root is always an inner node (reference/contract/wide_bvh.h): no search, no leaf.
+/// The root is always an inner node (reference/contract/wide_bvh.h): no search and no leaf.
 template <int Width>
 SCOTTY_KERNEL(intersect_root)
 (BvhView<Width> bvh, const reference::Ray* rays, std::uint32_t ray_count, LevelView level,

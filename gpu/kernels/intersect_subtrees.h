@@ -1,10 +1,10 @@
-/// Kernel: the last level that has queues, where that is not the last of the tree. Rays go on from
-/// their nodes depth first, each alone.
+/// Kernel: the last level that has queues, if the tree goes on below it. Rays go on from their
+/// nodes depth-first, each alone.
 ///
-/// Rays of one warp end at different times. Where they are incoherent, warps stay, and lanes that
-/// are idle take new rays as soon as they are a few (Aila and Laine, "Understanding the Efficiency
-/// of Ray Traversal on GPUs", HPG 2009). Coherent rays stay side by side: at level 0 a thread has
-/// one ray, and of a queue a warp takes the next 32 when it is done with what it has.
+/// Rays of one warp end at different times. Where they are incoherent, warps stay, and idle lanes
+/// take new rays as soon as there are a few (Aila and Laine, "Understanding the Efficiency of Ray
+/// Traversal on GPUs", HPG 2009). Coherent rays stay side by side: at level 0 a thread has one ray,
+/// and from a queue a warp takes the next 32 when its rays are done.
 #pragma once
 
 #include "gpu/kernels/dialect.h"
@@ -15,15 +15,15 @@
 namespace SCOTTY_DEVICE_NAMESPACE {
 
 constexpr std::uint32_t kSubtreeThreads = 128;
-constexpr std::uint32_t kSubtreeBlocks = 7;  ///< at once on a multiprocessor: 72 registers a thread
-constexpr std::uint32_t kIdleLanes = 8;      ///< of incoherent rays, before new ones are taken
+constexpr std::uint32_t kSubtreeBlocks = 7;  ///< at once on a multiprocessor: 72 registers each
+constexpr std::uint32_t kIdleLanes = 8;      ///< of incoherent rays, before they take new ones
 
-/// Where a traversal ends with its first launch a ray's hit is final then, and there is no buffer
-/// between that launch and what would merge it, nor, for shadow rays, what would resolve it.
+/// If a traversal ends with its first launch, a ray's hit is final then: no buffer and no merge
+/// follow, nor, for shadow rays, resolve_light.
 struct FinalHits {
-    reference::Hit* merged = nullptr;            ///< null: not here
-    const reference::Vec3* potential = nullptr;  ///< goes to the radiance of rays without a hit
-    reference::Vec3* radiance = nullptr;         ///< null: not here
+    reference::Hit* merged = nullptr;            ///< null: not used
+    const reference::Vec3* potential = nullptr;  ///< added to the radiance of rays without a hit
+    reference::Vec3* radiance = nullptr;         ///< null: not used
 };
 
 template <int Width>
@@ -40,27 +40,27 @@ SCOTTY_DEVICE void end_ray(const SubtreeRay<Width>& walk, std::uint32_t ray_id, 
     }
 }
 
-/// What a launch is handed besides the level.
+/// The arguments of a launch besides the level.
 struct SubtreeWork {
     std::uint32_t ray_count;
-    std::uint32_t rays_per_block;  ///< of what is a block elsewhere: a queue's parts
+    std::uint32_t rays_per_block;  ///< of a logical block: part of a queue
     bool strided;
-    bool coherent;     ///< level 0: a ray a thread, and as many threads as rays
+    bool coherent;     ///< level 0: one ray per thread
     SubtreeRoot root;  ///< level 0: the BVH's
 };
 
-/// The next `count` of what the launch's warps share.
+/// Takes the next `count` of the rays that the launch's warps share.
 SCOTTY_COLLECTIVE(std::uint32_t) take(std::uint32_t* ticket, std::uint32_t count) {
     std::uint32_t begin = 0;
     if (lane_index() == 0) begin = atomic_add(ticket, count);
     SCOTTY_RETURN SCOTTY_AWAIT(warp_shuffle(begin, 0));
 }
 
-/// What a warp takes next. At level 0, where a ray's id is its place, one a thread, or as many as
-/// it has idle lanes; of queues, 32 entries of what is a block elsewhere.
+/// A warp's next rays. At level 0, where a ray's id is its place, it takes one per thread, or one
+/// per idle lane; from queues, 32 entries of a logical block.
 struct TakenRays {
     std::uint32_t node;
-    std::uint32_t entry;  ///< the lane's; no less than the queue's length where it has none
+    std::uint32_t entry;  ///< the lane's; at least the queue's length if it has none
     bool more;            ///< the launch may have more
 };
 SCOTTY_COLLECTIVE(TakenRays)
@@ -88,7 +88,7 @@ take_rays(const LevelView& level, const BlockGrid& grid, const SubtreeWork& work
                             more};
 }
 
-/// The last warp of a launch leaves the ticket to the next one, which then needs no clearing.
+/// The last warp of a launch resets the ticket for the next one, which then needs no clearing.
 SCOTTY_DEVICE void end_warp(RayTicket* ticket) {
     if (lane_index() != 0) return;
     const std::uint32_t warps = grid_size() * (block_size() / kWarpSize);
@@ -98,7 +98,7 @@ SCOTTY_DEVICE void end_warp(RayTicket* ticket) {
     atomic_add(&ticket->warps_ended, 0u - warps);
 }
 
-/// Until there are no more rays.
+/// Runs until there are no more rays.
 template <bool Any, int Width>
 SCOTTY_COLLECTIVE(void)
 trace_subtrees(const BvhView<Width>& bvh, const reference::Ray* rays, const LevelView& level,

@@ -30,7 +30,7 @@ SCOTTY_DEVICE reference::HitCandidate closest_candidate(std::uint32_t ray_id, co
     return best;
 }
 
-/// Writes what comes of the closest candidate: its hit, barycentrics included, or none.
+/// Writes the closest candidate's hit, barycentrics included, or none.
 SCOTTY_DEVICE void merge_hit(const reference::SceneView& scene, const reference::HitCandidate& best,
                              const reference::Vec3& origin, const reference::Vec3& inverse,
                              const reference::RayShear& shear, reference::Hit& merged) {

@@ -1,5 +1,5 @@
-/// Kernel: as many threads as pixels generate all rays of this batch. A block's threads share its
-/// pixels' samples, so that those side by side write side by side.
+/// Kernel: generates all rays of this batch with as many threads as pixels. A block's threads share
+/// its pixels' samples, so that neighbouring threads write neighbouring rays.
 #pragma once
 
 #include "gpu/kernels/dialect.h"

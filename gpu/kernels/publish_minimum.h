@@ -1,4 +1,4 @@
-/// Kernel: (early-out `level` only) what a level has lowered becomes what the next one reads.
+/// Kernel: (early-out `level` only) publishes this level's lowered minima to the next level.
 #pragma once
 
 #include "gpu/kernels/dialect.h"

@@ -1,4 +1,4 @@
-/// Kernel: potential radiance becomes radiance where nothing stands between surface and light.
+/// Kernel: potential radiance becomes radiance if nothing blocks the way from surface to light.
 #pragma once
 
 #include "gpu/kernels/dialect.h"

@@ -1,8 +1,8 @@
 /// Kernel: scans a level's queue lengths into block offsets and the children's regions.
 ///
-/// One pass over tiles of a block each (decoupled look-back: Merrill and Garland 2016, "Single-pass
-/// Parallel Prefix Scan"). A tile publishes its own sum, adds up what the tiles before it have
-/// published, and publishes that. The first tiles are of the nodes, the others of their children.
+/// One pass over tiles of one block each (decoupled look-back: Merrill and Garland 2016,
+/// "Single-pass Parallel Prefix Scan"). A tile publishes its own sum, adds the sums published by
+/// the tiles before it, and publishes the total. The nodes' tiles come first, then the children's.
 #pragma once
 
 #include "gpu/kernels/block_scan.h"
@@ -14,8 +14,8 @@ namespace SCOTTY_DEVICE_NAMESPACE {
 
 constexpr std::uint32_t kScanThreads = 1024;  ///< and elements of a tile
 
-/// What a tile has published, above its sum of 32 bits: both in one word, so that whoever sees the
-/// one sees the other. Zero: nothing yet.
+/// The state that a tile has published stands above its 32-bit sum, in one word, so that whoever
+/// sees one sees the other. Zero: nothing yet.
 constexpr std::uint64_t kOwnSum = std::uint64_t{1} << 32;    ///< of the tile alone
 constexpr std::uint64_t kWholeSum = std::uint64_t{2} << 32;  ///< of all tiles up to it
 
@@ -25,7 +25,7 @@ struct ScanShared {
     std::uint32_t before;  ///< sum of the tiles before
 };
 
-/// Every scan has a tile, were it to write a total of zero.
+/// Every scan has a tile, if only to write a total of zero.
 SCOTTY_HD std::uint32_t scan_tiles(std::uint32_t count) {
     return count == 0 ? 1 : (count + kScanThreads - 1) / kScanThreads;
 }
@@ -40,19 +40,19 @@ SCOTTY_DEVICE std::uint32_t scan_input(const LevelView& level, bool blocks,
     return level.node_counts[level.parents[index]];
 }
 
-/// Sum of all tiles before one, by one warp, 32 tiles at a time from the nearest back to the first
+/// Sum of all tiles before one, by one warp, 32 tiles at a time, from the nearest back to the first
 /// that knows the sum of all before it.
 SCOTTY_COLLECTIVE(std::uint32_t) sum_before(const std::uint64_t* tiles, std::uint32_t tile) {
     std::uint32_t sum = 0;
     for (std::uint32_t end = tile;; end -= kWarpSize) {
         const bool there = lane_index() < end;
-        // Before the first tile there is nothing, and that is the whole of it.
+        // Before the first tile the sum is zero, and whole.
         std::uint64_t published = there ? load_relaxed(tiles + end - 1 - lane_index()) : kWholeSum;
         while (SCOTTY_AWAIT(warp_any(published == 0))) {
             if (published == 0) published = load_relaxed(tiles + end - 1 - lane_index());
         }
         const std::uint32_t whole = SCOTTY_AWAIT(warp_ballot(published >= kWholeSum));
-        // Lanes up to the nearest whole sum.
+        // These are the lanes up to the nearest whole sum.
         const bool counts = bits_below_lane(whole) == 0;
         std::uint32_t value = counts ? static_cast<std::uint32_t>(published) : 0;
         for (std::uint32_t apart = kWarpSize / 2; apart != 0; apart /= 2) {
@@ -66,8 +66,8 @@ SCOTTY_COLLECTIVE(std::uint32_t) sum_before(const std::uint64_t* tiles, std::uin
 
 SCOTTY_KERNEL(scan_counts)(LevelView level, std::uint32_t rays_per_block) {
     SCOTTY_SHARED(ScanShared, shared);
-    // Tiles are taken in the order in which blocks start: those that a block waits for are under
-    // way.
+    // Tiles are taken in the order in which blocks start, so that the blocks that one waits for are
+    // running.
     if (thread_index() == 0) shared.tile = atomic_add(level.scan_ticket, 1);
     SCOTTY_SYNC();
     const std::uint32_t node_tiles = scan_tiles(level.node_count);
@@ -78,7 +78,7 @@ SCOTTY_KERNEL(scan_counts)(LevelView level, std::uint32_t rays_per_block) {
     std::uint32_t* out = blocks ? level.block_offsets : level.child_offsets;
 
     const std::uint32_t index = tile * block_size() + thread_index();
-    // After an overflow queues are shorter than their counts say: levels get no blocks any more.
+    // After an overflow queues are shorter than their counts say, so levels get no more blocks.
     const bool counts = !blocks || level.faults->node_overflow == 0;
     const std::uint32_t value =
         index < count && counts ? scan_input(level, blocks, rays_per_block, index) : 0;

@@ -1,4 +1,4 @@
-/// Nodes and triangles as rays below the queues read them: in few loads, and few of them selected.
+/// Nodes and triangles as rays below the queues read them: in few loads and few selections.
 #pragma once
 
 #include <cstdint>
@@ -11,23 +11,23 @@
 namespace SCOTTY_DEVICE_NAMESPACE {
 
 /// An inner node below the queues. On each axis the children's low planes stand beside their high
-/// ones, so that the planes that a ray leaves by are those it enters by with one bit of the address
-/// flipped. A child is a reference: an inner node's index among these, or
-/// kLeafBit and the first triangle of a leaf.
+/// ones, so that the address of the planes that a ray leaves by is that of the planes it enters by
+/// with one bit flipped. A child is a reference: an inner node's index in this array, or kLeafBit
+/// and the first triangle of a leaf.
 template <int Width>
 struct alignas(32 * Width) SubtreeNode {
     reference::ChildPlanes<Width> planes[3][2];  ///< by axis: low, high
     std::uint32_t child[Width];                  ///< kNone where there is none
 };
-/// How many sets of planes a node is long.
+/// The length of a node in sets of planes.
 constexpr std::uint32_t kPlanesInNode = 8;
 static_assert(sizeof(SubtreeNode<4>) == kPlanesInNode * sizeof(reference::ChildPlanes<4>));
 
-/// One coordinate of a triangle's corners. Rays read the axis of their largest direction component
-/// as the last one (reference::swap_axes): by address.
+/// One coordinate of a triangle's corners. By its address, rays read the axis of their largest
+/// direction component as the last one (reference::swap_axes).
 struct alignas(16) TriangleRow {
     float v0, v1, v2;
-    std::uint32_t primitive_and_last;  ///< kLastBit: of the last triangle of its leaf
+    std::uint32_t primitive_and_last;  ///< kLastBit marks the last triangle of a leaf
 };
 constexpr std::uint32_t kLastBit = 0x80000000u;
 
@@ -57,8 +57,8 @@ inline std::vector<TriangleRows> triangle_rows(const reference::WideBvh& bvh) {
     return rows;
 }
 
-/// The inner nodes from the last level that has queues on, which are the roots of the subtrees;
-/// empty where there are none. Node i is the BVH's inner node `first_inner` + i.
+/// The inner nodes from the last level with queues on, whose nodes are the roots of the subtrees;
+/// empty if there are none. Node i is the BVH's inner node `first_inner` + i.
 template <int Width>
 std::vector<SubtreeNode<Width>> subtree_nodes(const reference::WideBvh& bvh,
                                               const std::vector<reference::WideNode<Width>>& inner,

@@ -1,10 +1,10 @@
-/// A ray on its way through a subtree, alone and depth first.
+/// A ray on its way through a subtree, alone and depth-first.
 ///
-/// What it does, in which order and with which bits is reference/numerics/closest_in_subtree.h's
-/// SubtreeWalk; how is the device's. Comparisons, selections and integer sums share a pipe with
-/// half the rate of multiply-adds, and of an ordinary walk's instructions most are of that kind.
-/// So: planes are selected by address, minima and maxima are taken of three at once, a child that
-/// waits is the key it was sorted by and its parent, and is looked up when its turn comes.
+/// SubtreeWalk in reference/numerics/closest_in_subtree.h defines what it does, in which order and
+/// with which bits; how it does so is the device's matter. Comparisons, selections and integer sums
+/// share a pipe with half the rate of multiply-adds, and make up most of an ordinary walk. So
+/// planes are selected by address, minima and maxima take three values at once, and a waiting child
+/// is its sort key and its parent, and is looked up when its turn comes.
 #pragma once
 
 #include "gpu/kernels/dialect.h"
@@ -17,7 +17,7 @@ namespace SCOTTY_DEVICE_NAMESPACE {
 
 template <int Width>
 struct SubtreeRay {
-    /// Planes are loaded in pieces of as many children.
+    /// Planes are loaded in pieces of this many children.
     static constexpr int kGroup = Width < 4 ? Width : 4;
     using Planes = reference::ChildPlanes<kGroup>;
 
@@ -29,13 +29,13 @@ struct SubtreeRay {
     reference::RayShear shear;
     float t_min;
     float t_max;
-    reference::Hit best;    ///< t alone where there is none yet: what culls
+    reference::Hit best;    ///< only t if there is none yet: it culls
     std::uint32_t at;       ///< where the ray is; kNone: at its end
     std::uint32_t waiting;  ///< entries of the ray's SubtreeStack
 };
 
-/// Children that wait. Not in SubtreeRay: what is in one object with an array that is indexed at
-/// run time is kept in memory with it.
+/// Children that wait. They are not in SubtreeRay, because an array that is indexed at run time
+/// keeps its whole object in memory.
 struct SubtreeStack {
     struct Child {
         std::uint32_t key;  ///< reference::visit_key()
@@ -52,13 +52,13 @@ SCOTTY_DEVICE const typename SubtreeRay<Width>::Planes* planes_entered(const Bvh
     return inverse > 0.0f ? low : low + Width / SubtreeRay<Width>::kGroup;
 }
 
-/// Where a ray begins: a node of the last level that has queues.
+/// A ray's start: a node of the last level that has queues.
 struct SubtreeRoot {
     std::uint32_t at;       ///< as SubtreeRay::at
-    float low[3], high[3];  ///< its box; of a leaf anything
+    float low[3], high[3];  ///< its box; for a leaf it is not used
 };
 
-/// `ref`: as the node's node_refs has it.
+/// `ref` is the node's entry in node_refs.
 template <int Width>
 SCOTTY_DEVICE SubtreeRoot subtree_root(const BvhView<Width>& bvh, std::uint32_t ref) {
     if (reference::is_leaf(ref)) {
@@ -95,11 +95,11 @@ SCOTTY_DEVICE const Planes* other_side(const Planes* planes) {
                                            (Width * sizeof(float)));
 }
 
-/// Keys of the children that a ray enters, as reference::visits_of() has them.
+/// Keys of the children that a ray enters, as reference::visits_of() returns them.
 ///
-/// By their bits as integers the three entries' maximum may be wrong only where all are negative,
-/// which t_min, never less than +0, mends; and the exits' minimum only where one is negative, and
-/// then it is negative too (or -0, which lets the ray into a box behind it where there is no hit).
+/// Compared by bits as integers, the three entries' maximum is wrong only if all are negative,
+/// which t_min, never less than +0, fixes; the exits' minimum only if one is negative, but then it
+/// is negative too (or -0, which lets the ray into a box behind it that has no hit).
 template <int Width>
 SCOTTY_DEVICE void children_of(const SubtreeRay<Width>& walk, std::uint32_t (&keys)[Width]) {
     using Planes = typename SubtreeRay<Width>::Planes;
@@ -141,7 +141,7 @@ SCOTTY_DEVICE std::uint32_t child_ref(const BvhView<Width>& bvh, std::uint32_t p
     return load_record(&bvh.subtrees[parent].child[key & reference::kChildBits]);
 }
 
-/// On to what waits, nearest first, and is not too far by now.
+/// Goes on to the nearest waiting child that is not too far by now.
 template <int Width>
 SCOTTY_DEVICE void next_visit(SubtreeRay<Width>& walk, const SubtreeStack& stack,
                               const BvhView<Width>& bvh) {
@@ -175,7 +175,7 @@ SCOTTY_DEVICE void enter_nodes(SubtreeRay<Width>& walk, SubtreeStack& stack,
     }
 }
 
-/// Lowers the best hit by one triangle; returns whether it is the last of its leaf.
+/// Lowers the best hit by one triangle; returns whether that is the last of its leaf.
 template <int Width>
 SCOTTY_DEVICE bool visit_triangle(SubtreeRay<Width>& walk, const TriangleRows& triangle) {
     using reference::Vec3;
@@ -206,7 +206,7 @@ SCOTTY_DEVICE bool visit_triangle(SubtreeRay<Width>& walk, const TriangleRows& t
     return last;
 }
 
-/// Until the ray is at an inner node or at its end; with `Any` its first hit ends it.
+/// Runs until the ray is at an inner node or at its end; with `Any` its first hit ends it.
 template <bool Any, int Width>
 SCOTTY_DEVICE void intersect_leaves(SubtreeRay<Width>& walk, const SubtreeStack& stack,
                                     const BvhView<Width>& bvh) {

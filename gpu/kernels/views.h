@@ -1,4 +1,4 @@
-/// What the CUDA kernels are handed: pointers into device memory, and sizes.
+/// The arguments of the CUDA kernels: pointers into device memory, and sizes.
 #pragma once
 
 #include <cstdint>
@@ -19,17 +19,17 @@ using reference::PathView;
 
 template <int Width>
 struct BvhView {
-    /// As far as there are queues, and the roots of the subtrees.
+    /// The inner nodes of the levels with queues, and the roots of the subtrees.
     const reference::WideNode<Width>* inner;
     const reference::Leaf* leaves;
     const TriangleRows* triangles;
     const std::uint32_t* node_refs;
-    /// From inner node `first_subtree` on; null: none.
+    /// From inner node `first_subtree` on; null if there are none.
     const SubtreeNode<Width>* subtrees = nullptr;
     std::uint32_t first_subtree = 0;
 };
 
-/// What went wrong on the device, read back once per traversal.
+/// Faults on the device, read back once per traversal.
 struct FaultView {
     std::uint32_t hits_needed;    ///< largest hit count that did not fit, 0: all did
     std::uint32_t queue_needed;   ///< largest queue total that did not fit, 0: all did
@@ -52,7 +52,7 @@ struct MinimumView {
     float* lowered;  ///< the same array under `immediate`
 };
 
-/// What the warps of a launch take rays by.
+/// The warps of a launch take rays by it.
 struct RayTicket {
     std::uint32_t taken;
     std::uint32_t warps_ended;
@@ -73,11 +73,11 @@ struct LevelView {
     std::uint32_t* child_counts;
     std::uint32_t* child_offsets;
     std::uint32_t* child_queue;
-    // Of scan_counts, zeros before it.
+    // Used by scan_counts, and zero before it.
     std::uint32_t* scan_ticket;
     std::uint64_t* scan_tiles;
     FaultView* faults;
-    RayTicket* ray_ticket = nullptr;  ///< of intersect_subtrees, which leaves it as it was: zero
+    RayTicket* ray_ticket = nullptr;  ///< used by intersect_subtrees, which leaves it zero
 };
 
 }  // namespace SCOTTY_DEVICE_NAMESPACE
