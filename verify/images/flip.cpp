@@ -12,7 +12,7 @@ namespace {
 using glm::dmat3;
 using glm::dvec3;
 
-/// One number a pixel.
+/// One number per pixel.
 struct Plane {
     std::ptrdiff_t width, height;
     std::vector<double> values;
@@ -36,7 +36,7 @@ Kernel kernel(std::ptrdiff_t radius, const Weight& weight) {
     return weights;
 }
 
-/// All positive weights sum to 1, all negative ones to -1.
+/// Scales all positive weights to a sum of 1, all negative ones to -1.
 Kernel normalized(Kernel weights) {
     double positive = 0.0;
     double negative = 0.0;
@@ -143,7 +143,7 @@ Plane contrast_filtered(const Plane& in, const std::vector<Gaussian>& terms) {
     return sum;
 }
 
-/// What the pipelines for colours and features make of one image.
+/// The colours and features that FLIP finds in one image.
 struct Seen {
     std::vector<dvec3> color;                   ///< CIELAB after Hunt, as the eye resolves it
     std::vector<double> edge_size, point_size;  ///< of the luminance's features
@@ -194,7 +194,7 @@ Seen see(const MeasuredImage& image) {
     return seen;
 }
 
-/// Colour differences to [0, 1], where most of the range is for those that are not huge.
+/// Maps colour differences to [0, 1]; differences that are not huge get most of the range.
 double redistributed(double difference) {
     static const double most =
         std::pow(hyab(hunt_lab({0.0, 1.0, 0.0}), hunt_lab({0.0, 0.0, 1.0})), 0.7);

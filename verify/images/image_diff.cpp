@@ -27,7 +27,7 @@ void state_samples(ImageDiff& diff) {
     image.samples = diff.settings.samples;
 }
 
-/// Replaces the image by the mean of all renders; each is one sample, of as many paths as it has.
+/// Replaces the image by the mean of all renders; each counts as one sample of its paths.
 void merge_renders(ImageDiff& diff) {
     const std::vector<std::string>& also = diff.settings.also;
     if (also.empty()) return;

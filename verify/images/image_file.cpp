@@ -35,7 +35,7 @@ std::vector<std::uint8_t> to_png_bytes(const reference::Image& image, float expo
     return bytes;
 }
 
-/// Removes what is there when writing fails half-way.
+/// Removes the file when writing fails half-way.
 struct Unfinished {
     fs::path path;
     ~Unfinished() {
@@ -44,17 +44,17 @@ struct Unfinished {
     }
 };
 
-/// What makes an EXR's bytes a function of what is in it.
+/// Makes an EXR's bytes a function of its content.
 void settle_exr(OIIO::ImageSpec& spec) {
     spec.attribute("compression", "zip");
     spec.attribute("oiio:ColorSpace", "Linear");
-    // Else it is the time of writing.
+    // Otherwise it is the time of writing.
     spec.attribute("DateTime", "1970:01:01 00:00:00");
 }
 
 void write_pixels(const OIIO::ImageSpec& spec, const void* data, const std::string& path) {
     const fs::path target(path);
-    // The extension stays last: OpenImageIO goes by it.
+    // The extension stays last, because OpenImageIO goes by it.
     const Unfinished unfinished{target.parent_path() / (target.stem().string() + ".unfinished" +
                                                         target.extension().string())};
     const auto output = OIIO::ImageOutput::create(unfinished.path.string());
@@ -76,7 +76,7 @@ int attribute_count(std::uint64_t count, const char* what, const std::string& pa
     return static_cast<int>(count);
 }
 
-/// Color by color: R, G, B and, where it is known, the variances.
+/// Interleaves R, G, B and, if they are known, the variances.
 std::vector<float> interleaved(const MeasuredImage& image) {
     std::vector<float> values;
     values.reserve(image.mean.size() * (image.variance.empty() ? 3 : 6));

@@ -38,11 +38,11 @@ GateResult not_asked(Gate gate, std::string why) {
     return result;
 }
 
-/// What the finite gate refuses.
+/// A value that the finite gate refuses.
 struct BadValue {
     std::size_t pixel = 0, channel = 0;
     double value = 0.0;
-    std::uint64_t pixels = 0;  ///< that have one
+    std::uint64_t pixels = 0;  ///< that have one such value
 };
 
 std::optional<BadValue> first_bad(const std::vector<Color>& colors) {
@@ -106,8 +106,8 @@ std::string place_of(const GateResult& result) {
                        result.y);
 }
 
-/// The worst of all regions and channels, by probability and then by size: probabilities of very
-/// bad ones are all zero.
+/// The worst of all regions and channels, by probability and then by size, because the
+/// probabilities of very bad ones are all zero.
 class Worst {
  public:
     explicit Worst(Gate gate) { result_.gate = gate; }
@@ -181,7 +181,7 @@ void ask_noise_gates(const NoisyPair& pair, const MeasuredImage& image,
     }
 }
 
-/// Worst first: pixels that are not finite, then by z, then by distance.
+/// Sorts pixels that are not finite first, then by z, then by distance.
 std::vector<WorstPixel> worst_pixels(const MeasuredImage& image, const MeasuredImage& golden,
                                      const std::vector<double>& z) {
     const std::vector<double> ulps = ulps_map(image, golden);
@@ -215,7 +215,7 @@ std::vector<WorstPixel> worst_pixels(const MeasuredImage& image, const MeasuredI
     return worst;
 }
 
-/// Layout and finite, and for the rest that they were not asked where one of those two fails.
+/// Asks layout and finite; if one of those fails, marks the rest as not asked.
 bool passes_the_first_two(const MeasuredImage& image, const MeasuredImage& golden,
                           const std::string& complaint, const std::vector<Gate>& rest,
                           ImageVerdict& verdict) {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-/// Floats in order on a line of integers, both zeros at 0.
+/// Places floats in order on a line of integers, both zeros at 0.
 std::int64_t place_of(float value) {
     const auto bits = std::bit_cast<std::uint32_t>(value);
     const std::int64_t size = bits & 0x7fffffffu;
@@ -33,7 +33,7 @@ double mean_of(const std::vector<double>& values) {
     return sum / static_cast<double>(values.size());
 }
 
-/// Over all pixels and channels.
+/// Averages over all pixels and channels.
 template <class Distance>
 double mean_over_values(const MeasuredImage& a, const MeasuredImage& b, const Distance& distance) {
     double sum = 0.0;

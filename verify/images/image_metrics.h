@@ -1,4 +1,4 @@
-/// Distances between images that are shown beside a verdict, and never judged by.
+/// Distances between images, shown beside a verdict and never judged by.
 #pragma once
 
 #include <vector>
@@ -8,14 +8,14 @@
 
 namespace scotty::verify {
 
-/// Both of one layout. NaN where a value is not finite, but for max_ulps.
+/// Both have one layout. NaN if a value is not finite, except for max_ulps.
 ImageMetrics image_metrics(const MeasuredImage& image, const MeasuredImage& golden);
 
-/// float32 numbers from one value to the other, both rounded to float32; the two zeros are one.
-/// Infinite where just one of them is NaN, 0 where both are.
+/// The number of float32 steps from one value to the other, both rounded to float32; the two zeros
+/// are one. Infinite if just one of them is NaN, 0 if both are.
 double ulps_between(double a, double b);
 
-/// Largest of the channels for each pixel.
+/// The largest of the channels for each pixel.
 std::vector<double> ulps_map(const MeasuredImage& image, const MeasuredImage& golden);
 
 /// Black at 0 over blue, red and yellow to white at `most`; magenta where a value is NaN.

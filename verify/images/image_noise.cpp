@@ -15,8 +15,8 @@ double paths_of(const MeasuredImage& image) {
     return static_cast<double>(image.samples) * static_cast<double>(image.paths_per_sample);
 }
 
-/// Bound of n floats added one by one: n * 2^-24 (Higham 2002, section 4.2), and a few roundings
-/// more for what is added. Capped: nobody should hide a percent behind a million samples.
+/// The error bound of n floats added one by one: n * 2^-24 (Higham 2002, section 4.2), and a few
+/// roundings more for the summands. It is capped, so that a million samples cannot hide a percent.
 double rounding_share(double paths) {
     if (paths == 0.0) paths = 1024.0;
     return std::min((paths + 64.0) * std::ldexp(1.0, -24), std::ldexp(1.0, -12));
@@ -70,7 +70,7 @@ NoisyPair::NoisyPair(const MeasuredImage& image, const MeasuredImage& golden)
       golden_(side_of(golden)),
       rounding_(rounding_share(paths_of(image))) {}
 
-/// Satterthwaite's, of a sum of independent estimates that have the same degrees of freedom each.
+/// Satterthwaite's degrees of freedom of a sum of independent estimates that have the same each.
 double NoisyPair::Sums::degrees_of_freedom(const Side& side) const {
     if (!(squared_variance > 0.0)) return kUnbounded;
     return side.degrees_of_freedom * variance * variance / squared_variance;
@@ -95,7 +95,7 @@ NoisyPair::Noise NoisyPair::noise_of_difference(const Sums& image, const Sums& g
     const double df_golden = golden.degrees_of_freedom(golden_);
     if (image_.paths != 0.0 && golden_.paths != 0.0) {
         // The fewer degrees of freedom hold too: an estimate from few samples can be the smaller
-        // one by chance, and the other image's certainty is none about this one's noise.
+        // one by chance, and the other image's certainty says nothing about this one's noise.
         const double path =
             std::max(image.variance * image_.paths, golden.variance * golden_.paths);
         return {path * (1.0 / image_.paths + 1.0 / golden_.paths), std::min(df_image, df_golden)};

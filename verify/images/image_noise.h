@@ -1,13 +1,13 @@
 /// Two images in a region: do their means differ by more than noise and rounding explain?
 ///
-/// Two things keep the answer sound where a plain Welch test is not:
+/// Two rules keep the answer sound where a plain Welch test is not:
 /// - A pixel that by chance saw no rare bright path has a small mean and, worse, next to no
 ///   estimated variance. Where both images say how many paths they are made of, the larger of the
 ///   two estimates of one path's variance therefore holds for both, with the fewer degrees of
 ///   freedom.
-/// - Rounding of float sums is no noise. A difference counts only beyond what adding so many floats
-///   one by one can be off, so a constant pixel (background, emitter) may differ by that and no
-///   more: beyond it, with no variance at all, the statistic is infinite.
+/// - Rounding of float sums is no noise. A difference counts only beyond the error bound of adding
+/// that many floats one by one, so a constant pixel (background, emitter) may differ by that only:
+/// beyond it, with no variance at all, the statistic is infinite.
 #pragma once
 
 #include <cstdint>
@@ -34,9 +34,9 @@ class NoisyPair {
     /// Borrows both. Call why_not() first.
     NoisyPair(const MeasuredImage& image, const MeasuredImage& golden);
 
-    /// Why these images cannot be compared by noise: sizes, variances; empty where they can be.
+    /// Why these images cannot be compared by noise (sizes, variances); empty if they can.
     static std::string why_not(const MeasuredImage& image, const MeasuredImage& golden);
-    /// Why their pixels cannot even be held against each other; empty where they can be.
+    /// Why their pixels cannot be compared at all; empty if they can.
     static std::string other_layout(const MeasuredImage& image, const MeasuredImage& golden);
 
     RegionTest test(const Region& region, std::size_t channel) const;
@@ -47,7 +47,7 @@ class NoisyPair {
         double degrees_of_freedom;  ///< of each pixel's variance
         double paths;               ///< 0: not known
     };
-    /// Of the region's sum, not mean.
+    /// Sums over the region, not means.
     struct Sums {
         double value = 0.0, variance = 0.0, squared_variance = 0.0;
         double degrees_of_freedom(const Side& side) const;
@@ -60,10 +60,10 @@ class NoisyPair {
     Noise noise_of_difference(const Sums& image, const Sums& golden) const;
 
     Side image_, golden_;
-    double rounding_;  ///< share of a sum that float arithmetic may be off
+    double rounding_;  ///< share of a sum by which float arithmetic may be off
 };
 
-/// Largest |z| of the channels for each pixel; infinite where a constant pixel differs.
+/// The largest |z| of the channels for each pixel; infinite if a constant pixel differs.
 std::vector<double> z_map(const NoisyPair& pair, std::uint32_t width, std::uint32_t height);
 
 }  // namespace scotty::verify

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 using reference::Error;
 using Channels = std::array<std::size_t, 3>;
 
-/// 8192 x 8192: more is a mistake, or a header made to exhaust memory.
+/// 8192 x 8192; more is a mistake, or a header made to exhaust memory.
 constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 26;
 
 std::unique_ptr<OIIO::ImageInput> open(const std::string& path) {
@@ -36,7 +36,7 @@ std::unique_ptr<OIIO::ImageInput> open(const std::string& path) {
         throw Error::bad_input(path, "expected an image file, found a folder");
     }
     OIIO::ImageSpec wishes;
-    wishes.attribute("oiio:UnassociatedAlpha", 1);  // colours as they are, not times alpha
+    wishes.attribute("oiio:UnassociatedAlpha", 1);  // colours not multiplied by alpha
     auto input = OIIO::ImageInput::open(path, &wishes);
     if (!input) throw Error::bad_input(path, "cannot be read as an image: " + OIIO::geterror());
     return input;
@@ -61,7 +61,7 @@ void expect_whole_flat_image(const OIIO::ImageSpec& spec, const std::string& pat
     }
 }
 
-/// Where the three channels are; false where none of them is there, an error where only some are.
+/// Finds the three channels; returns false if none is there, and throws if only some are.
 bool find_channels(const OIIO::ImageSpec& spec, const std::array<std::string, 3>& names,
                    const std::string& path, Channels& found) {
     std::size_t count = 0;
@@ -79,7 +79,7 @@ bool find_channels(const OIIO::ImageSpec& spec, const std::array<std::string, 3>
     return count == 3;
 }
 
-/// "diffuse" of "diffuse.R"; empty for a channel of no layer, as ours of a variance are.
+/// "diffuse" of "diffuse.R"; empty for a channel without a layer, as our variances are.
 std::string layer_of(const std::string& channel) {
     const std::size_t dot = channel.rfind('.');
     std::string layer = dot == std::string::npos ? std::string() : channel.substr(0, dot);
@@ -168,7 +168,7 @@ std::string part_name(const OIIO::ImageSpec& spec, int index) {
     return name.empty() ? std::to_string(index) : name;
 }
 
-/// Moves `input` to the chosen part, and tells the others' names.
+/// Moves `input` to the chosen part, and notes the others' names.
 void choose_part(OIIO::ImageInput& input, const ImageChoice& choice, const std::string& path,
                  std::vector<std::string>& not_read) {
     std::vector<std::string> names;
@@ -179,7 +179,7 @@ void choose_part(OIIO::ImageInput& input, const ImageChoice& choice, const std::
             chosen = i;
         }
     }
-    (void)input.geterror();  // that there is no further part is no error
+    (void)input.geterror();  // clears it: having no further part is no error
     if (chosen < 0) {
         throw Error::bad_input(path, fmt::format("has no part '{}'; its parts are {}", choice.part,
                                                  fmt::join(names, ", ")));
@@ -226,7 +226,7 @@ ReadImage read_file(const std::string& path, const ImageChoice& choice) {
     return read;
 }
 
-/// Radiance as an array of numbers.
+/// Radiance from an array of numbers.
 ReadImage from_array(std::span<const float> values, std::size_t width, std::size_t height) {
     ReadImage read;
     read.encoding = "float";

@@ -15,12 +15,12 @@ struct MeasuredImage {
     std::uint32_t width = 0;
     std::uint32_t height = 0;
     std::vector<Color> mean;
-    /// Estimated variance of `mean` (of the mean of all samples, not of one sample), per channel;
-    /// empty where it is not known.
+    /// The estimated variance of `mean` (of the mean of all samples, not of one sample), per
+    /// channel; empty if it is not known.
     std::vector<Color> variance;
     std::uint64_t samples = 0;  ///< independent samples in every pixel; 0: not known
-    /// More than one where a "sample" is itself the mean of so many paths, as when the variance
-    /// comes from renders with other seeds. Paths in a pixel: samples * paths_per_sample.
+    /// Above one if a "sample" is itself the mean of several paths, as when the variance comes from
+    /// renders with other seeds. A pixel has samples * paths_per_sample paths.
     std::uint64_t paths_per_sample = 1;
 };
 

@@ -15,9 +15,9 @@ namespace {
 /// What a pixel sees.
 struct Place {
     Color albedo{};
-    double direct = 0.0;  ///< of one light sample that reaches the lamp, cosine apart
+    double direct = 0.0;  ///< from one light sample that reaches the lamp, without the cosine
     double cosine = 1.0;
-    double visibility = 1.0;  ///< share of the lamp that it sees
+    double visibility = 1.0;  ///< the share of the lamp that it sees
     double indirect = 0.0;
 };
 
@@ -26,7 +26,7 @@ constexpr std::uint32_t kOtherScene = 1;
 /// `u`, `v` in [0, 1] across the image.
 Place place_at(double u, double v, std::uint32_t scene) {
     Place place;
-    if (v < 0.08) return place;  // background: black, and never anything else
+    if (v < 0.08) return place;  // the background is always black
     const double turn = scene == kOtherScene ? v : u;
     place.albedo = {0.3 + 0.5 * turn, 0.75 - 0.4 * u * v, 0.25 + 0.3 * (1.0 - turn)};
     place.cosine = 0.35 + 0.6 * (1.0 - std::abs(u - 0.4));
@@ -41,14 +41,14 @@ struct Estimator {
     ImageFault fault;
     std::uint32_t scene;
 
-    /// What one path brings but for the surface's colour.
+    /// The radiance of one path, without the surface's colour.
     double path(const Place& place, std::uint32_t pixel, std::uint32_t sample) const {
         const reference::Random4 r = reference::random4(settings.seed, pixel, sample, scene, 0);
         const bool drops = fault == ImageFault::light_sample_dropped && pixel % 16 == 5;
         const double cosine = fault == ImageFault::cosine_forgotten ? 1.0 : place.cosine;
         const double seen =
             (r.a < place.visibility ? 0.5 : 0.0) + (!drops && r.b < place.visibility ? 0.5 : 0.0);
-        // Mean 1, at most 10, mostly below 0.1: what a path tracer's later bounces look like.
+        // Mean 1, at most 10, mostly below 0.1, like the later bounces of a path tracer.
         const double c3 = double{r.c} * r.c * r.c;
         double indirect = place.indirect * 10.0 * c3 * c3 * c3;
         if (settings.fireflies && r.d < 1.0 / 20000.0) indirect += 1000.0 * place.indirect;
@@ -156,7 +156,7 @@ void plant(MeasuredImage& image, ImageFault fault) {
             image.mean[i] = image.variance[i] = {};
         }
     } else if (fault == ImageFault::dark_tile) {
-        // In full light, left of the middle; the only one of a small image.
+        // This tile is in full light, left of the middle; a small image has only one.
         const std::uint32_t x0 = image.width / 32 * 8;
         const std::uint32_t y0 = image.height / 16 * 8;
         for (std::uint32_t y = y0; y < std::min(y0 + 8, image.height); ++y) {

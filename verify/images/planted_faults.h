@@ -1,8 +1,8 @@
-/// Synthetic noisy renders, sound and with a known fault: what the image gates are tried on.
+/// Synthetic noisy renders, sound or with a known fault, on which the image gates are tried.
 ///
-/// Every pixel is a small estimator of its own, with what makes real noise awkward: half-shadow
-/// (a light sample is seen or not), indirect light that is mostly dim and now and then bright, a
-/// black background, and on request fireflies.
+/// Every pixel is a small estimator of its own with the difficulties of real noise: half-shadow (a
+/// light sample is seen or not), indirect light that is mostly dim and sometimes bright, a black
+/// background, and on request fireflies.
 #pragma once
 
 #include <cstdint>
@@ -19,10 +19,10 @@ enum class ImageFault {
     black_pixels,          ///< ten, scattered
     dark_tile,             ///< one 8x8 tile in full light, 5 % too dark
     not_a_number,          ///< in one pixel
-    light_sample_dropped,  ///< in every 16th pixel one of two: half the direct light
-    cosine_forgotten,      ///< of the direct light
+    light_sample_dropped,  ///< every 16th pixel lacks one of two: half its direct light
+    cosine_forgotten,      ///< in the direct light
     mirrored,              ///< left is right
-    wrong_golden           ///< another scene's
+    wrong_golden           ///< from another scene
 };
 const std::vector<ImageFault>& all_image_faults();
 std::string_view name(ImageFault fault);
@@ -35,16 +35,16 @@ struct SyntheticSettings {
     bool fireflies = false;  ///< one path in 20000 is a thousand times as bright
 };
 
-/// A render with that fault. Same settings, same bits, on any number of threads.
+/// A render with that fault. The same settings give the same bits on any number of threads.
 MeasuredImage synthetic_render(const SyntheticSettings& settings,
                                ImageFault fault = ImageFault::none);
 
-/// Whether it is the estimator's; if not, plant() puts it into a finished render.
+/// Whether the estimator has the fault; if not, plant() puts it into a finished render.
 bool happens_while_rendering(ImageFault fault);
 void plant(MeasuredImage& image, ImageFault fault);
 
-/// The converged image that such renders are judged by, with noise of its own: `factor` times the
-/// samples, another seed; another scene for wrong_golden.
+/// The converged image that judges such renders, with noise of its own: `factor` times the samples,
+/// another seed, and another scene for wrong_golden.
 MeasuredImage synthetic_golden(SyntheticSettings settings, std::uint32_t factor = 16,
                                ImageFault fault = ImageFault::none);
 
