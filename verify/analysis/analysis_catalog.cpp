@@ -10,7 +10,7 @@
 namespace scotty::verify {
 namespace {
 
-// Who has measured what is given here.
+// The sources of the values given here.
 constexpr const char* kReport = "report, GTX 1080 Ti";
 constexpr const char* kReportCode = "report's code, H100";
 constexpr const char* kFigure = "the report's figure: CBcoil, 256x256, 4 samples, a GTX 1080 Ti";
@@ -25,7 +25,7 @@ constexpr const char* kCode1024 =
 AnalysisPoint at(double x, double y) { return {x, "", y, y, y}; }
 AnalysisPoint of(const char* label, double y) { return {0.0, label, y, y, y}; }
 
-/// Points at 0, 1, 2, ...
+/// Places the values at 0, 1, 2, ...
 std::vector<AnalysisPoint> by_level(const std::vector<double>& values) {
     std::vector<AnalysisPoint> points;
     points.reserve(values.size());

@@ -1,4 +1,4 @@
-/// What a render's queues hold, counted exactly: by query, level by level. Not timed.
+/// The content of a render's queues, counted exactly: by query and level, not timed.
 #pragma once
 
 #include <cstdint>
@@ -11,9 +11,9 @@ namespace scotty::verify {
 
 struct LevelCensus {
     std::uint64_t nodes = 0;
-    std::uint64_t entries = 0;    ///< rays in the queues, each as often as it is in one
-    std::uint64_t blocks = 0;     ///< ceil(count / rays a block), over the queues
-    std::uint64_t all_slots = 0;  ///< nodes x ceil(rays of the traversal / rays a block)
+    std::uint64_t entries = 0;    ///< rays in the queues, once for each queue they are in
+    std::uint64_t blocks = 0;     ///< ceil(count / rays per block), over the queues
+    std::uint64_t all_slots = 0;  ///< nodes x ceil(rays of the traversal / rays per block)
 };
 
 /// One traversal.
@@ -26,10 +26,10 @@ struct QueryCensus {
     bool primary() const { return bounce == 0 && light == reference::kNotApplicable; }
 };
 
-/// Of all levels of all queries.
+/// The sum over all levels of all queries.
 std::uint64_t entries_of(const std::vector<QueryCensus>& queries);
 
-/// Attached to a pipeline, it counts. A traversal that is run again is counted once.
+/// Counts when attached to a pipeline. A traversal that is run again counts once.
 class QueueCensus : public reference::StageObserver {
  public:
     explicit QueueCensus(std::uint32_t rays_per_block) : rays_per_block_(rays_per_block) {}

@@ -13,7 +13,7 @@ std::string series_name(const AnalysisRun& run, const AnalysisSeries& series, bo
     return alone ? series.name : run.label + ", " + series.name;
 }
 
-/// What a value is divided by.
+/// The divisor of the values.
 double unit_of(const std::vector<AnalysisPoint>& points, Relative relative) {
     if (points.empty()) return 1.0;
     double sum = 0.0;
@@ -44,7 +44,7 @@ std::vector<ChartSeries> chart_series(const std::vector<FigureSeries>& all, Rela
     return out;
 }
 
-/// From the least x to the greatest; nothing where there are no two.
+/// Guides go from the least x to the greatest; there are none without two x.
 std::vector<ChartSeries> guides(const AnalysisDefinition& definition, std::size_t panel,
                                 const std::vector<ChartSeries>& series) {
     std::vector<ChartPoint> all;
@@ -82,7 +82,7 @@ std::string place_of(const AnalysisPoint& point) {
     return point.label.empty() ? fmt::format("{:.0f}", point.x) : point.label;
 }
 
-/// Every place of any series: numbers in their order, categories in that of their first appearance.
+/// All places of all series: numbers in order, categories in that of their first appearance.
 std::vector<std::string> places(const std::vector<FigureSeries>& all) {
     std::vector<std::pair<double, std::string>> found;
     for (const FigureSeries& one : all) {

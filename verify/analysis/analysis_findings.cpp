@@ -51,7 +51,7 @@ std::string on_rays(const AnalysisResult& result) {
                      : "about in proportion, where the report has 3 times");
 }
 
-/// The fastest of a sweep, and which others its repeats do not tell from it.
+/// The fastest of a sweep, and the others that its repeats do not tell from it.
 std::string fastest(const Points& points, double reports, const std::string& what) {
     const AnalysisPoint& best = *std::min_element(
         points.begin(), points.end(), [](const auto& a, const auto& b) { return a.y < b.y; });

@@ -1,4 +1,4 @@
-/// Analyses as a file, so that what one machine has measured is drawn on another.
+/// Analyses as a file, so that one machine can draw what another has measured.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -57,7 +57,7 @@ const json& array_member(const std::string& where, const json& object, const cha
 
 double number_member(const std::string& where, const json& object, const char* name) {
     const json& value = member(where, object, name);
-    // Too large a number reads as infinite.
+    // A number that is too large reads as infinite.
     if (!value.is_number() || !std::isfinite(value.get<double>())) {
         throw Error::bad_input(where, fmt::format("'{}': expected a finite number", name));
     }

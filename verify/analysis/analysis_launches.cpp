@@ -21,18 +21,18 @@ bool intersects(const LaunchRecord& launch) {
     return launch.kind == StageKind::intersect_root || launch.kind == StageKind::intersect;
 }
 
-/// Of a ray-scene query, as the report times them: with its merge.
+/// Whether a launch belongs to a ray-scene query, timed with its merge as in the 2018 paper.
 bool is_of_query(const LaunchRecord& launch) {
     return is_of_traversal(launch.kind) || launch.kind == StageKind::merge_intersections;
 }
 
-/// A query by its number along the path: "direct light 2" is at the second vertex.
+/// Names a query by its number along the path: "direct light 2" is at the second vertex.
 std::string query_name(std::uint32_t bounce, std::uint32_t light) {
     if (light != kNotApplicable) return fmt::format("direct light {}", bounce + 1);
     return bounce == 0 ? "primary" : fmt::format("scene rays {}", bounce);
 }
 
-/// Whether a launch is an intersection of that level; of the primary traversal, or of any.
+/// Whether a launch is an intersection of that level, of the primary traversal or of any.
 auto at_level(std::uint32_t level, bool primary_only) {
     return [=](const LaunchRecord& launch) {
         const bool primary = launch.bounce == 0 && launch.light == kNotApplicable;
@@ -48,7 +48,7 @@ std::uint32_t level_count(const RenderRounds& rounds) {
     return count;
 }
 
-/// Intersections by level, in milliseconds.
+/// Intersection times by level, in milliseconds.
 AnalysisSeries by_level(const RenderRounds& rounds, bool primary_only) {
     AnalysisSeries series;
     for (std::uint32_t level = 0; level < level_count(rounds); ++level) {
@@ -126,7 +126,7 @@ AnalysisResult analyze_strided(const AnalysisSettings& settings, AnalysisRenders
         result.series.push_back(by_level(rounds[i], false));
         result.series.back().name = to_string(all[i].block_order);
     }
-    AnalysisSeries ratio;  // of each pair of renders that came after another
+    AnalysisSeries ratio;  // of each pair of consecutive renders
     ratio.panel = 1;
     for (std::uint32_t level = 0; level < level_count(rounds[0]); ++level) {
         const std::vector<double> linear = rounds[0].sums(at_level(level, false));

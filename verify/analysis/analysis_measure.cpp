@@ -28,7 +28,7 @@ const std::map<std::string, Analyzer*>& analyzers() {
     return all;
 }
 
-/// Short: it stands beside every line of this run.
+/// The label is short, because it stands beside every line of this run.
 std::string label_of(const AnalysisSettings& settings, const MachineDescription& machine) {
     if (settings.render.backend == "cuda" && machine.cuda) {
         const std::string& device = machine.cuda->device;  // "NVIDIA H100 80GB HBM3"
@@ -76,7 +76,7 @@ AnalysisRun analyze(const reference::Scene& scene, const AnalysisSettings& setti
             if (settings.finished) settings.finished(run);
         }
     } catch (const AnalysisRenders::Stopped&) {
-        // What is complete is kept.
+        // Complete analyses are kept.
     }
     return run;
 }

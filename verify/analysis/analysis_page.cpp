@@ -95,7 +95,7 @@ std::string analysis_part(const AnalysisDefinition& definition,
         html_text(pictures), numbers_part(definition, runs));
 }
 
-/// Columns as wide as they have to be; the first to the left.
+/// Columns are as wide as they have to be; the first is left-aligned.
 std::string text_table(const std::vector<std::vector<std::string>>& rows) {
     std::vector<std::size_t> widths(rows[0].size(), 0);
     for (const auto& row : rows) {

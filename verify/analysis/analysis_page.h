@@ -1,4 +1,4 @@
-/// Analyses for people: one page with everything, and text for the terminal.
+/// Shows analyses to people: one page with everything, and text for the terminal.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace scotty::verify {
 
-/// One HTML file that fetches nothing: of each analysis that any run has, the figure, what is seen,
-/// what the report says, and the numbers.
+/// One HTML file that fetches nothing: for each analysis of any run, the figure, the finding, what
+/// the 2018 paper says, and the numbers.
 std::string analysis_page(const std::vector<AnalysisRun>& runs);
 
 /// The same without figures.

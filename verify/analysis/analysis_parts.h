@@ -1,4 +1,4 @@
-/// The ten analyses, each carried out by a function of its name (analysis_catalog.h says what of).
+/// The ten analyses, each carried out by its function (analysis_catalog.h describes them).
 #pragma once
 
 #include <algorithm>
@@ -14,10 +14,10 @@ using Analyzer = AnalysisResult(const AnalysisSettings&, AnalysisRenders&);
 
 // Whole renders with one parameter changed (analysis_sweeps.cpp).
 Analyzer analyze_rays, analyze_width, analyze_rays_per_block, analyze_early_out, analyze_memory;
-// What the launches and queues of a render say (analysis_launches.cpp).
+// What the launches and queues of a render show (analysis_launches.cpp).
 Analyzer analyze_bounces, analyze_levels, analyze_stages, analyze_strided, analyze_limited_blocks;
 
-/// A picture of this size, unless the caller has one in mind; `quick`: a small one.
+/// A picture of this size, unless the caller has chosen one; with `quick` a small one.
 inline reference::PipelineParameters sized(const AnalysisSettings& settings, std::uint32_t side,
                                            std::uint32_t spp) {
     reference::PipelineParameters p = settings.render.parameters;
@@ -27,7 +27,7 @@ inline reference::PipelineParameters sized(const AnalysisSettings& settings, std
     return p;
 }
 
-/// The report's usual picture.
+/// The 2018 paper's usual picture.
 inline reference::PipelineParameters usual(const AnalysisSettings& settings) {
     return sized(settings, 256, 4);
 }

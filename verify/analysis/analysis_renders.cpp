@@ -19,9 +19,9 @@ using reference::PipelineParameters;
 
 namespace {
 
-/// With room for all rays of the render in one batch.
+/// Makes room for all rays of the render in one batch.
 PipelineParameters in_one_batch(PipelineParameters p) {
-    constexpr std::uint64_t kMostRays = 1u << 28;  // reference::validate()
+    constexpr std::uint64_t kMostRays = 1u << 28;  // the limit of reference::validate()
     const std::uint64_t rays = std::uint64_t{p.image_width} * p.image_height * p.spp;
     if (rays == 0 || rays > kMostRays) {
         throw Error::bad_input(

@@ -1,4 +1,4 @@
-/// The renders that analyses are made of.
+/// The renders behind the analyses.
 #pragma once
 
 #include <functional>
@@ -17,10 +17,10 @@ namespace scotty::verify {
 /// The repeats of one render.
 struct RenderRounds {
     std::vector<double> seconds;  ///< wall clock, from call to image
-    /// Each launch with its seconds. On cuda those of renders of their own: events cost time.
+    /// Each launch with its seconds. On cuda they come from separate renders: events cost time.
     std::vector<std::vector<reference::LaunchRecord>> launches;
 
-    /// What `wanted` launches add up to in each repeat.
+    /// The sum of the `wanted` launches in each repeat.
     std::vector<double> sums(
         const std::function<bool(const reference::LaunchRecord&)>& wanted) const;
 };
@@ -29,23 +29,23 @@ struct RenderRounds {
 AnalysisPoint point_of(double x, const std::string& label, const std::vector<double>& values,
                        double unit);
 
-/// On one scene and back end.
+/// Renders on one scene and back end.
 class AnalysisRenders {
  public:
-    /// Thrown where the caller's stop() says so.
+    /// Thrown when the caller's stop() says so.
     struct Stopped {};
 
     /// The scene is borrowed. `stop` may be empty.
     AnalysisRenders(const reference::Scene& scene, RenderSettings settings,
                     std::function<bool()> stop);
 
-    /// Renders of each of `all`, which take turns: whatever else the machine is doing, or how warm
-    /// it is, then meets all of them alike. All rays of a render are in one traversal; throws
-    /// missing_environment where the device has no room for that.
+    /// Renders each of `all` in turn, so that the machine's other work and its warmth affect all of
+    /// them alike. All rays of a render are in one traversal; throws missing_environment if the
+    /// device has no room for that.
     std::vector<RenderRounds> by_turns(const std::vector<reference::PipelineParameters>& all);
-    /// One render that is watched, and not timed.
+    /// One render that is observed and not timed.
     std::vector<QueryCensus> counted(const reference::PipelineParameters& parameters);
-    /// What the buffers hold at the end of a render, which is not timed.
+    /// The size of the buffers at the end of a render, which is not timed.
     std::uint64_t device_bytes(const reference::PipelineParameters& parameters);
 
  private:

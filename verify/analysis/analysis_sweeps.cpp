@@ -15,7 +15,7 @@ double rays_of(const PipelineParameters& p) {
     return static_cast<double>(std::uint64_t{p.image_width} * p.image_height * p.spp);
 }
 
-/// In milliseconds; "kernels, ms" is what the launches add up to.
+/// In milliseconds; "kernels, ms" is the sum of the launches.
 AnalysisPoint render_time(double x, const std::string& label, const RenderRounds& rounds) {
     AnalysisPoint point = point_of(x, label, rounds.seconds, 1e3);
     const auto kernels = rounds.sums([](const reference::LaunchRecord&) { return true; });
@@ -23,7 +23,7 @@ AnalysisPoint render_time(double x, const std::string& label, const RenderRounds
     return point;
 }
 
-/// Renders with one parameter changed, which take turns.
+/// Renders with one parameter changed, in turn.
 template <class Value, class Change>
 AnalysisSeries sweep(AnalysisRenders& renders, const PipelineParameters& base,
                      const std::vector<Value>& values, const Change& change) {
@@ -37,7 +37,7 @@ AnalysisSeries sweep(AnalysisRenders& renders, const PipelineParameters& base,
     return series;
 }
 
-/// Samples a pixel that make the sizes of traversals; more on a device, which is faster.
+/// Samples per pixel that give the traversals' sizes; more on a device, which is faster.
 std::vector<std::uint32_t> sample_counts(const AnalysisSettings& settings) {
     if (settings.quick) return {1, 2, 4};
     if (settings.render.backend == "cuda") return {1, 2, 4, 8, 16, 32, 64};
