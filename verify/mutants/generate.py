@@ -17,14 +17,14 @@ import os
 import re
 import sys
 
-# What a fault's `run` is put into: one configuration of `scotty verify`, small.
+# A fault's `run` changes this: one small configuration of `scotty verify`.
 OPTIONS = {"--size": "24x18", "--spp": "1", "--bounces": "0", "--light-samples": "1", "--width": "8",
            "--rays-per-block": "64", "--queue-levels": "0", "--early-out": "off", "--hit-mode": "buffer", "--block-order": "linear",
            "--shadow-query": "closest", "--hit-capacity": "8", "--batch-rays": "262144", "--schedule": "free"}
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 KEYS = {"name", "what", "file", "find", "replace", "run", "expect"}
-MORE = {"gpu", "defect"}  # and what not every fault has
+MORE = {"gpu", "defect"}  # optional members
 
 
 def load(path):
@@ -65,7 +65,7 @@ def planted_text(faults, switches):
             planted = re.sub(r"\bPLANTED\b", switch, fault["replace"])
         else:
             planted = f"({switch} ? ({fault['replace']}) : ({planted}))"
-    # A statement may be shorter or longer than what it replaces: all of it goes to the first line then.
+    # A statement may be shorter or longer than its replacement, which then goes to the first line as a whole.
     missing = find.count("\n") - planted.count("\n")
     return planted if missing == 0 else planted.replace("\n", " ") + "\n" * find.count("\n")
 

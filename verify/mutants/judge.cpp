@@ -28,7 +28,7 @@ std::string last_line(const std::string& text) {
                        end - (begin == std::string::npos ? std::size_t(-1) : begin));
 }
 
-/// Paths without what is before the project's folders.
+/// Removes from paths what precedes the project's folders.
 std::string shorten(const std::string& text) {
     return std::regex_replace(
         text, std::regex(R"([\w./-]*/((gpu|emulation|reference)(/\w+)+\.\w+:))"), "$1");
@@ -44,7 +44,7 @@ std::string place_of(const nlohmann::json& failure, const std::string& says) {
     return place;
 }
 
-/// Of the report of `scotty verify`: its leading failure.
+/// The leading failure of the report of `scotty verify`.
 MutantCatch leading_failure(const nlohmann::json& report) {
     MutantCatch found;
     const auto& failures = report.at("failures");
@@ -63,7 +63,7 @@ MutantCatch leading_failure(const nlohmann::json& report) {
         const std::string named =
             first_match(found.says, R"((batch\d+/)?(bounce\d+/)(light\d+/)?(level\d+/)?[a-z_]+)");
         if (!named.empty()) found.stage = named;
-        // The run ended there: as many stages have been judged as there were launches before it.
+        // The run ended there: as many stages were judged as launches came before it.
         for (const auto& scene : report.at("scenes")) {
             for (const auto& one : scene.at("configurations")) found.launch = one.at("stages");
         }
@@ -71,7 +71,7 @@ MutantCatch leading_failure(const nlohmann::json& report) {
     return found;
 }
 
-/// Of a process that ended before it could report.
+/// The catch of a process that ended before it could report.
 MutantCatch last_words(const ProcessOutcome& outcome) {
     MutantCatch found;
     found.says = shorten(last_line(outcome.errors));

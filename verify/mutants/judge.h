@@ -1,4 +1,4 @@
-/// What caught a planted fault, and whether that is what should have.
+/// Which check caught a planted fault, and whether it is the one that should have.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 namespace scotty::verify {
 
 /// "data-race", "divergence", "out-of-bounds", "unwritten-memory", "bad-address", "capacity", or
-/// "error" where it is none of these.
+/// "error" for anything else.
 std::string kind_of_error(const std::string& says);
 
 MutantResult judge(const PlantedFault& fault, const ProcessOutcome& outcome);

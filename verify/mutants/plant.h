@@ -1,5 +1,5 @@
-/// --plant NAME: the same command with a fault in the kernels, run by the program that has them
-/// all.
+/// --plant NAME: the same command with a fault in the kernels, run by the program that has all of
+/// them.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,7 @@
 
 namespace scotty::verify {
 
-/// The faults of the running program: a registry as JSON, and what switches one on.
+/// The faults of the running program: a registry as JSON, and a function that switches one on.
 struct PlantedFaults {
     std::string registry;
     std::function<void(int number)> switch_on;
@@ -19,13 +19,13 @@ struct PlantedFaults {
 void offer_planted_faults(PlantedFaults faults);
 bool has_planted_faults();
 
-/// All of them, in the registry's order. Throws internal where it is not as it should be.
+/// All of them, in the registry's order. Throws internal if the registry is malformed.
 std::vector<PlantedFault> planted_faults();
 std::vector<HostileCondition> hostile_conditions();
 
-/// Plants a fault for whatever this process runs from now on; in a program without any, goes on as
-/// scotty-mutants first. Throws bad_input for a name that there is not, and where the fault is not
-/// in the kernels of `backend`.
+/// Plants a fault for whatever this process runs from now on; a program without faults first
+/// restarts as scotty-mutants. Throws bad_input for an unknown name, and if the fault is not in the
+/// kernels of `backend`.
 void plant(const std::string& name, const std::string& backend);
 
 }  // namespace scotty::verify

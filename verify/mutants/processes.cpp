@@ -39,7 +39,7 @@ File scratch_file() {
     return file;
 }
 
-/// In the new process; does not return.
+/// Runs in the new process; does not return.
 [[noreturn]] void run_here(const CommandRunner& run_command, const std::vector<std::string>& words,
                            const Running& running, unsigned seconds) {
     ::dup2(::fileno(running.output.get()), STDOUT_FILENO);
@@ -55,7 +55,7 @@ File scratch_file() {
     const int code = run_command(static_cast<int>(arguments.size()), arguments.data());
     std::cout.flush();
     std::fflush(nullptr);
-    ::_exit(code);  // this process's statics are the other's
+    ::_exit(code);  // the statics are the parent process's
 }
 
 std::string text_of(FILE* file) {

@@ -1,4 +1,4 @@
-/// Commands of this program, each in a process of its own: one that crashes or hangs costs nobody.
+/// Runs commands of this program in processes of their own, so that crashes and hangs harm none.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,8 @@
 namespace scotty::verify {
 
 struct ProcessOutcome {
-    int exit_code = 0;  ///< or -1: it did not get that far
-    int signal = 0;     ///< that ended it; 0: none
+    int exit_code = 0;  ///< -1 if it did not get that far
+    int signal = 0;     ///< the signal that ended it; 0: none
     bool timed_out = false;
     std::string output;  ///< of standard output
     std::string errors;  ///< of standard error
@@ -19,16 +19,15 @@ struct ProcessOutcome {
 
 struct ProcessLimits {
     std::size_t at_once = 1;  ///< processes
-    unsigned seconds = 120;   ///< then one is ended
+    unsigned seconds = 120;   ///< after which a process is ended
 };
 
-/// What a whole command line does in this process; returns its exit code.
+/// Runs a whole command line in this process; returns its exit code.
 using CommandRunner = std::function<int(int argc, char** argv)>;
 
-/// Hands each command line ("verify", "coil", ...; without the program's name) to `run_command`,
-/// in a fork of this process, which must not have started threads until then. `done` is
-/// called in the order in which they end. Throws missing_environment where a process cannot be
-/// started.
+/// Hands each command line ("verify", "coil", ...; without the program's name) to `run_command` in
+/// a fork of this process, which must not have started threads until then. `done` is called in the
+/// order in which they end. Throws missing_environment if a process cannot be started.
 void run_in_processes(
     const CommandRunner& run_command, const std::vector<std::vector<std::string>>& commands,
     const ProcessLimits& limits,
