@@ -1,4 +1,4 @@
-/// The image filters, by plain loops in double.
+/// Recomputes the image filters by plain loops in double.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,14 +16,14 @@ using reference::Vec3;
 
 namespace {
 
-/// Of a sum of 25 products in float, with a polynomial for the exponential.
+/// The rounding of a sum of 25 products in float, with a polynomial for the exponential.
 constexpr double kRounding = 1.0e-5;
 
 struct Window {
     std::span<const Vec3> image;
     int width, height;
 
-    /// Beyond an edge, the nearest pixel of the image.
+    /// The pixel there; beyond an edge, the nearest pixel of the image.
     const Vec3& at(int x, int y) const {
         const int column = std::clamp(x, 0, width - 1);
         const int row = std::clamp(y, 0, height - 1);
@@ -47,8 +47,8 @@ Pixel median(const Window& window, int x, int y) {
     return result;
 }
 
-/// Weights fall off by distance and, for the bilateral filter, by how far a pixel's radiance is
-/// from the centre's: a quarter of the centre's largest channel and 0.02 is one standard deviation.
+/// Weights fall off by distance and, in the bilateral filter, by the difference of radiance from
+/// the centre: a quarter of the centre's largest channel plus 0.02 is one standard deviation.
 Pixel weighted(const Window& window, int x, int y, bool bilateral) {
     const Vec3& centre = window.at(x, y);
     const double sigma = 0.25 * double{reference::max_abs(centre)} + 0.02;
@@ -91,7 +91,7 @@ void check_filter(CheckState& state, const StageView& stage) {
         for (int c = 0; c < 3; ++c) {
             const double wanted = expected[static_cast<std::size_t>(c)];
             const auto found = double{filtered[i][c]};
-            // A value that is not a number is not near anything.
+            // NaN is not near anything.
             if (std::abs(found - wanted) <= kRounding * std::abs(wanted)) continue;
             Failure failure =
                 failure_at(stage, invariant::kFilter, "a pixel is not what the filter gives");

@@ -1,4 +1,4 @@
-/// Any value that is not finite where it has to be is a failure of its own, and comes first.
+/// A value that has to be finite and is not is a failure of its own, and comes first.
 #include <fmt/format.h>
 
 #include <bit>

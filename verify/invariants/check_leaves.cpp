@@ -1,4 +1,4 @@
-/// intersect: what leaves have appended to the hits of the rays in their queues; and the minimum.
+/// intersect: the hits that leaves have appended for the rays in their queues, and the minimum.
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
@@ -18,14 +18,14 @@ using namespace reference;  // in this file only: records and triangle tests
 
 namespace {
 
-/// What a leaf has to append, or under `immediate` may append, to a ray's hits.
+/// A hit that a leaf has to append to a ray's hits, or may append under `immediate`.
 struct LeafHit {
     std::uint32_t ray, primitive, node, block;
     float t;
     bool required;
 };
 
-/// All leaf hits of a launch, sorted by ray; `first[r]` is where ray r's begin.
+/// All leaf hits of a launch, sorted by ray; those of ray r begin at `first[r]`.
 struct LeafHits {
     std::vector<LeafHit> hits;
     std::vector<std::uint32_t> first;
@@ -52,7 +52,7 @@ LeafHits expected_hits(const CheckState& state, const StageView& stage) {
             if (pushes || node >= counts.size() || node >= offsets.size()) continue;
             for (std::uint32_t p = 0; p < counts[node]; ++p) {
                 const std::size_t at = std::size_t{offsets[node]} + p;
-                // The root's queue is all rays. What is no ray id is check_queues' to tell.
+                // The root's queue holds all rays. check_queues reports what is no ray id.
                 const std::uint32_t ray =
                     stage.level == 0 ? p : (at < queue.size() ? queue[at] : kNone);
                 if (ray >= rays.size()) break;
@@ -101,7 +101,7 @@ Failure leaf_failure(const StageView& stage, std::uint32_t ray, const LeafHit* h
     return failure;
 }
 
-/// The slots that a launch has appended against what its leaves give, as multisets.
+/// Compares the slots that a launch has appended with the leaves' hits, as multisets.
 void check_appended(const StageView& stage, std::uint32_t ray, std::span<const LeafHit> expected,
                     std::span<const HitCandidate> appended, std::vector<Failure>& failures) {
     std::vector<bool> matched(expected.size(), false);
@@ -134,8 +134,8 @@ std::uint64_t pack(const LeafHit& hit) {
     return std::uint64_t{std::bit_cast<std::uint32_t>(hit.t)} << 32 | hit.primitive;
 }
 
-/// Packed mode: the least of what was there and what the leaves give. Where any hit will do and
-/// the minimum is read while it changes, any of the leaves' hits may have come first.
+/// Packed mode: the least of the previous hit and the leaves' hits. If any hit will do and the
+/// minimum is read while it changes, any of the leaves' hits may have come first.
 void check_packed(const StageView& stage, std::uint32_t ray, std::span<const LeafHit> expected,
                   std::uint64_t before, std::uint64_t after, bool free_choice,
                   std::vector<Failure>& failures) {
@@ -167,7 +167,7 @@ void check_leaves(CheckState& state, const StageView& stage) {
     const auto rays = stage.get<Ray>("rays");
     const auto n = static_cast<std::uint32_t>(rays.size());
     const bool packed_mode = state.parameters.hit_mode == HitMode::packed;
-    // Where the root pushes its rays on it has no hits, and need not show any.
+    // A root that pushes its rays on has no hits, and need not show any.
     const bool root = stage.level == 0;
     if (root && stage.find(packed_mode ? "packed_hits" : "hit_counts") == nullptr) return;
     const TraversalState& traversal = state.traversal;
@@ -231,7 +231,7 @@ void check_minimum(CheckState& state, const StageView& stage) {
     if (policy == EarlyOut::off) return;
     const TraversalState& traversal = state.traversal;
     const auto minimum = expect_buffer<float>(state, stage, "minimum", traversal.rays.size());
-    // Under `level` an intersect launch reads what was published before it, unchanged.
+    // Under `level` an intersect launch reads the minimum published before it, unchanged.
     const bool unchanged = policy == EarlyOut::level && stage.kind != StageKind::publish_minimum;
     for (std::size_t ray = 0; ray < minimum.size(); ++ray) {
         const HitCandidate& best = traversal.best[ray];
@@ -240,7 +240,7 @@ void check_minimum(CheckState& state, const StageView& stage) {
         const float expected =
             unchanged ? before : (!hit ? kInfinity : (traversal.asks_any ? kDone : best.t));
         const float found = minimum[ray];
-        // A minimum that lies beyond the ray's end culls nothing, whatever it is.
+        // A minimum beyond the ray's end culls nothing, whatever its value.
         const bool beyond = expected == kInfinity && found >= traversal.rays[ray].t_max;
         if (found == expected || beyond) continue;
         Failure failure = failure_at(stage, invariant::kMinimum,

@@ -1,5 +1,5 @@
-/// merge_intersections: the closest of what was gathered; and, now that the final hit is known,
-/// whether a ray was kept out of a box that it had to enter.
+/// merge_intersections: the closest gathered hit; and, now that the final hit is known, whether a
+/// ray was kept out of a box that it had to enter.
 #include <fmt/format.h>
 
 #include <bit>
@@ -23,7 +23,7 @@ HitCandidate least_of(std::span<const HitCandidate> hits) {
     return best;
 }
 
-/// The full hit on one triangle; no_hit() where the triangle is not hit.
+/// The full hit on one triangle; no_hit() if the ray misses it.
 Hit hit_of(const Scene& scene, const Ray& ray, std::uint32_t primitive) {
     if (primitive >= scene.triangles.size()) return no_hit();
     const auto& corners = scene.triangles[primitive];
@@ -36,7 +36,7 @@ Hit hit_of(const Scene& scene, const Ray& ray, std::uint32_t primitive) {
     return hit;
 }
 
-/// Required = rays whose final hit is not nearer than their entry; for any-hit, rays without a hit.
+/// Required: final hit not nearer than the entry; in any-hit queries, no hit at all.
 void check_kept_out(CheckState& state, const StageView& stage, std::span<const Hit> merged) {
     const auto& kept_out = state.traversal.kept_out;
     for (std::uint32_t ray = 0; ray < kept_out.size() && ray < merged.size(); ++ray) {

@@ -1,6 +1,6 @@
-/// What the shading kernels make of a path, vertex by vertex, computed again: the kernels call the
-/// same functions (reference/numerics/path.h), so that what is checked is what they hand to them
-/// and where they put the result.
+/// Recomputes the shading kernels' results for a path, vertex by vertex. The kernels call the same
+/// functions (reference/numerics/path.h), so this checks the arguments that they pass and where
+/// they put the results.
 #include <fmt/format.h>
 
 #include <cstdint>
@@ -16,7 +16,7 @@ using namespace reference;  // in this file only: records and vectors
 
 namespace {
 
-/// One failure at the first ray for which a value is not what it should be.
+/// Reports one failure, at the first ray whose value is not the expected one.
 class Expectation {
  public:
     Expectation(CheckState& state, const StageView& stage) : state_(state), stage_(stage) {}
@@ -45,7 +45,7 @@ class Expectation {
     const StageView& stage_;
 };
 
-/// Whether everything is there that paths of `n` rays have been seen to have.
+/// Whether the state of all paths of `n` rays has been seen.
 bool knows(const PathState& paths, std::size_t n) {
     return paths.rays.size() == n && paths.throughput.size() == n && paths.pixel.size() == n &&
            paths.sample.size() == n && paths.flags.size() == n && paths.path_hits.size() == n &&

@@ -1,8 +1,8 @@
-/// intersect: what inner nodes have pushed to their children's queues.
+/// intersect: the rays that inner nodes have pushed to their children's queues.
 ///
 /// The expected sets are recomputed ray by ray with the reference box test. A ray must be in the
-/// queue of every child that it enters no later than its limit, and of no other; in which order is
-/// free, but for each block's run.
+/// queue of every child that it enters no later than its limit, and of no other. The order is free,
+/// except inside each block's run.
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
@@ -21,7 +21,7 @@ using namespace reference;  // in this file only: records
 
 namespace {
 
-/// A broken kernel breaks thousands of rays: so many failures of one node are written out.
+/// A broken kernel breaks thousands of rays; at most this many failures per node are written out.
 constexpr std::size_t kFailuresPerNode = 4;
 
 struct Tally {
@@ -34,7 +34,7 @@ struct KeptOutRay {
     float entry;
 };
 
-/// What one worker gathers. `position` and `pushed` are scratch, all kNone between nodes.
+/// One worker's results. `position` and `pushed` are scratch, all kNone between nodes.
 struct Worker {
     std::vector<std::uint32_t> position;
     std::vector<std::uint32_t> pushed;
@@ -172,7 +172,7 @@ class NodeCheck {
                    : worker_.expected[p].required;
     }
 
-    /// The entries of one block lie together and in the order of the input.
+    /// The entries of one block must be contiguous and in the order of the input.
     void check_order(std::uint32_t child, std::uint32_t ray, std::uint32_t p,
                      std::uint32_t& run_block, std::uint32_t& last_position) {
         const std::uint32_t block = p / launch_.per_block;
@@ -211,7 +211,7 @@ class NodeCheck {
         }
         const bool wrong = immediate ? count != distinct : count != required;
         if (wrong) {
-            // Not bounded by kFailuresPerNode: one a child, and the other view of the same fault.
+            // Not bounded by kFailuresPerNode: it is one per child, and the same fault again.
             Failure failure = failure_at(launch_.stage, invariant::kCountEqualsPushes,
                                          "the child's count is not the number of rays pushed");
             failure.node = launch_.first_node + node_;
@@ -222,7 +222,7 @@ class NodeCheck {
         }
     }
 
-    /// Rays in = pushed on, missed or culled.
+    /// Checks that rays in = pushed on, missed or culled.
     void check_conservation() {
         std::uint32_t pushed = 0;
         std::uint32_t missed = 0;
@@ -259,7 +259,7 @@ class NodeCheck {
     std::size_t reported_ = 0;
 };
 
-/// The queue that a level reads is the one that the level before has written, and its ids are ids.
+/// Checks that a level reads the queue that the level before wrote, and that its ids are ray ids.
 bool check_input_queue(CheckState& state, const Launch& launch) {
     const TraversalState& traversal = state.traversal;
     std::uint64_t total = 0;
@@ -310,13 +310,13 @@ bool check_input_queue(CheckState& state, const Launch& launch) {
     return true;
 }
 
-/// Keeps of every ray the nearest box that it was kept out of; merge judges by the final hit.
+/// Keeps the nearest box that each ray was kept out of; merge judges by the final hit.
 void remember_kept_out(CheckState& state, const StageView& stage, const Worker& worker) {
     auto& kept_out = state.traversal.kept_out;
     kept_out.resize(stage.get<Ray>("rays").size());
     for (const KeptOutRay& ray : worker.kept_out) {
         auto& nearest = kept_out[ray.ray];
-        // Equal entries: the lower node, so that the report does not depend on the workers.
+        // For equal entries the lower node: the report must not depend on the workers.
         if (ray.entry < nearest.entry ||
             (ray.entry == nearest.entry && stage.launch == nearest.launch &&
              ray.child < nearest.node)) {
@@ -354,7 +354,7 @@ void check_queues(CheckState& state, const StageView& stage) {
     launch.child_queue = stage.get<std::uint32_t>("child_queue");
     if (stage.level == 0) launch.queue = {};
     if (launch.counts.empty() || (stage.level > 0 && launch.offsets.empty())) return;
-    // At the root the rays are those that were made for this traversal.
+    // At the root the rays are those generated for this traversal.
     const std::vector<Ray> none;
     const bool shadow = stage.light != kNotApplicable;
     const std::vector<Ray>& made = stage.bounce == kNotApplicable
@@ -385,7 +385,7 @@ void check_queues(CheckState& state, const StageView& stage) {
             return;
         }
         for (std::uint32_t child = 0; child < children; ++child) {
-            if (launch.child_offsets[child] > launch.child_offsets[child + 1]) return;  // scan's
+            if (launch.child_offsets[child] > launch.child_offsets[child + 1]) return;  // check_scan's
         }
     }
 
@@ -397,7 +397,7 @@ void check_queues(CheckState& state, const StageView& stage) {
     tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, nodes), [&](const auto& range) {
         Worker& worker = workers.local();
         for (std::uint32_t node = range.begin(); node != range.end(); ++node) {
-            // Rays of a subtree are not pushed anywhere: check_leaves judges their hits.
+            // A subtree pushes no rays: check_leaves judges their hits.
             if (children == 0 || is_leaf(state.bvh.node_refs[launch.first_node + node])) continue;
             NodeCheck(launch, node, worker).run();
         }

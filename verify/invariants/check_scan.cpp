@@ -1,4 +1,4 @@
-/// scan_counts: both outputs are exclusive scans of what the queues hold.
+/// scan_counts: both outputs are exclusive scans of the queues' lengths.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ using reference::StageView;
 
 namespace {
 
-/// One failure at the first place where `scan` is not the exclusive scan of value(i), total last.
+/// Reports the first place where `scan` is not the exclusive scan of value(i), total last.
 template <class Value>
 void expect_scan(CheckState& state, const StageView& stage, const char* field,
                  std::span<const std::uint32_t> scan, std::uint32_t first_node,

@@ -17,7 +17,7 @@ constexpr float kUnitTolerance = 1.0e-5f;
 
 std::string describe_hit(const Hit& hit) { return exact(hit); }
 
-/// Finite (check_finite tells), and dead or of unit direction.
+/// Checks that rays are finite (check_finite reports), and dead or of unit direction.
 void check_ray_records(CheckState& state, const StageView& stage, std::string_view field,
                        std::span<const Ray> rays) {
     for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -192,11 +192,11 @@ void check_image(CheckState& state, const StageView& stage) {
     sums.summed.resize(pixels, 0);
     sums.sum.resize(pixels, Vec3(0.0f, 0.0f, 0.0f));
     for (std::size_t i = 0; i < radiance.size(); ++i) {
-        if (pixel[i] >= pixels) return;  // primary_rays has been told
+        if (pixel[i] >= pixels) return;  // primary_rays has reported it
         sums.sum[pixel[i]] += radiance[i];
         ++sums.summed[pixel[i]];
     }
-    // Sums until a pixel has all its samples, then the mean; in sample order, so bit for bit.
+    // The image has sums until a pixel is complete, then the mean, in sample order: bit for bit.
     for (std::size_t p = 0; p < pixels; ++p) {
         const bool complete = sums.summed[p] == state.parameters.spp;
         const Vec3 expected =

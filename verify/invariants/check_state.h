@@ -1,4 +1,4 @@
-/// Shared by the checks of the single stages (check_*.cpp): what has been seen so far.
+/// Shared by the checks of the single stages (check_*.cpp): what they have seen so far.
 #pragma once
 
 #include <span>
@@ -11,17 +11,17 @@
 
 namespace scotty::verify {
 
-/// What is known of the traversal that is running. All by ray id unless said.
+/// The state of the running traversal, by ray id unless stated otherwise.
 struct TraversalState {
     bool running = false;
     bool scanned = false;   ///< scan_counts of this level has been seen
-    bool asks_any = false;  ///< early-out on and only "is anything hit" asked
+    bool asks_any = false;  ///< early-out on, and the query asks only "is anything hit"
     std::uint32_t level = 0;
     std::uint64_t failures_before = 0;  ///< counts.failures when it began, for on_retry
     std::size_t kept_before = 0;        ///< failures kept when it began
     std::vector<reference::Ray> rays;
 
-    // By node: what the level before handed on.
+    // By node, from the level before.
     std::vector<std::uint32_t> node_counts;
     std::vector<std::uint32_t> queue_offsets;
     std::vector<std::uint32_t> queue;
@@ -34,7 +34,7 @@ struct TraversalState {
     std::vector<reference::HitCandidate> best;  ///< closest of all hits appended so far
     std::vector<float> minimum;                 ///< as last seen
 
-    /// Early-out `immediate`: the nearest box that a ray was kept out of, and where.
+    /// Early-out `immediate`: the nearest box that a ray was kept out of, and its place.
     struct KeptOut {
         float entry = reference::kInfinity;
         std::uint32_t launch = reference::kNotApplicable;
@@ -45,7 +45,7 @@ struct TraversalState {
     std::vector<KeptOut> kept_out;
 };
 
-/// What is known of the paths in flight. All by ray id.
+/// The state of the paths in flight, by ray id.
 struct PathState {
     std::vector<reference::Ray> rays, shadow_rays;
     std::vector<reference::Hit> path_hits, shadow_hits;
@@ -53,7 +53,7 @@ struct PathState {
     std::vector<std::uint32_t> pixel, sample, flags;
 };
 
-/// Of the image, by pixel: how many samples have been generated, and the sum so far.
+/// The image's state, by pixel: the number of generated samples, and the sum so far.
 struct ImageState {
     std::vector<std::uint32_t> samples;
     std::vector<std::uint32_t> summed;
@@ -73,7 +73,7 @@ struct InvariantChecker::State {
     ImageState image;
 
     void add(Failure failure);
-    /// Sorts by node, then by how specific the invariant is, then by ray, and adds.
+    /// Sorts by node, then by how specific the invariant is, then by ray, and adds them.
     void add_sorted(std::vector<Failure> found);
 };
 
@@ -87,7 +87,7 @@ std::vector<T> copy_of(std::span<const T> values) {
     return {values.begin(), values.end()};
 }
 
-/// The buffer, or nothing and a failure where it is missing or has another size.
+/// The buffer, or nothing and a failure if it is missing or has another size.
 template <class T>
 std::span<const T> expect_buffer(CheckState& state, const reference::StageView& stage,
                                  std::string_view name, std::size_t size) {
@@ -102,7 +102,7 @@ std::span<const T> expect_buffer(CheckState& state, const reference::StageView& 
     return {};
 }
 
-/// True where `seen` holds the bytes of `expected`; else one failure at the first difference.
+/// Returns true if `seen` holds the bytes of `expected`; else reports the first difference.
 template <class T, class Describe>
 bool expect_same(CheckState& state, const reference::StageView& stage, const char* tag,
                  std::string_view field, std::span<const T> expected, std::span<const T> seen,
@@ -120,7 +120,7 @@ bool expect_same(CheckState& state, const reference::StageView& stage, const cha
     return true;
 }
 
-// One function a stage kind. Each only reads the stage and the state of stages before.
+// One function per stage kind. Each reads only the stage and the state of stages before.
 void check_scan(CheckState& state, const reference::StageView& stage);
 void check_queues(CheckState& state, const reference::StageView& stage);
 void check_leaves(CheckState& state, const reference::StageView& stage);
@@ -131,15 +131,15 @@ void check_direct_light_rays(CheckState& state, const reference::StageView& stag
 void check_resolve_light(CheckState& state, const reference::StageView& stage);
 void check_scene_rays(CheckState& state, const reference::StageView& stage);
 void check_image(CheckState& state, const reference::StageView& stage);
-// The same stages' results, computed again.
+// These recompute the same stages' results.
 void check_primary_paths(CheckState& state, const reference::StageView& stage);
 void check_light_paths(CheckState& state, const reference::StageView& stage);
 void check_scattered_paths(CheckState& state, const reference::StageView& stage);
 void check_filter(CheckState& state, const reference::StageView& stage);
-/// Every value of every output that has to be finite is.
+/// Checks that every value that has to be finite is.
 void check_finite(CheckState& state, const reference::StageView& stage);
 
-// What the next stages are held against; called whether or not the stage is judged.
+// These record what later stages are checked against; they run whether or not the stage is judged.
 void begin_traversal(CheckState& state, const reference::StageView& stage);
 void follow_scan(CheckState& state, const reference::StageView& stage);
 void follow_level(CheckState& state, const reference::StageView& stage);

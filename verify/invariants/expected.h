@@ -1,6 +1,6 @@
 /// What one ray does in one node, by a straight loop over children or triangles with the tests of
-/// reference/: what queues and hits are held against (check_*.cpp), and what explains them
-/// (queues_history.h).
+/// reference/. check_*.cpp compare queues and hits with it, and queues_history.h explains them by
+/// it.
 #pragma once
 
 #include <array>
@@ -17,28 +17,28 @@ inline constexpr std::uint32_t kMaxWidth = 16;
 struct NodeBoxes {
     std::uint32_t width = 0;
     std::array<reference::Vec3, kMaxWidth> low, high;
-    std::array<std::uint32_t, kMaxWidth> child{};  ///< node ids, kNone where there is none
+    std::array<std::uint32_t, kMaxWidth> child{};  ///< node ids, kNone for unused slots
     reference::Vec3 node_low, node_high;
 };
 NodeBoxes boxes_of(const reference::WideBvh& bvh, std::uint32_t inner_index);
 
-/// What becomes of one ray in one inner node. Bit c is child c.
+/// The outcome of one ray in one inner node. Bit c is child c.
 struct ExpectedChildren {
     std::uint32_t overlapped = 0;
-    std::uint32_t required = 0;  ///< of the overlapped ones, those not farther than the limit
-    std::array<float, kMaxWidth> entry{};  ///< where it enters, of the overlapped ones
+    std::uint32_t required = 0;  ///< those overlapped ones that are not farther than the limit
+    std::array<float, kMaxWidth> entry{};  ///< where it enters the overlapped ones
 };
-/// `limit`: the nearest hit known, +infinity where nothing culls.
+/// `limit` is the nearest hit known, +infinity if nothing culls.
 ExpectedChildren expected_children(const NodeBoxes& node, const reference::Ray& ray, float limit);
 
-/// Closest hit of one ray in one leaf; {+infinity, kNone} where there is none.
+/// Closest hit of one ray in one leaf; {+infinity, kNone} if there is none.
 reference::HitCandidate closest_in_leaf(const reference::WideBvh& bvh, const reference::Leaf& leaf,
                                         const reference::Ray& ray);
 
-/// What a ray hits below an inner node of the last level that has queues: its closest hit, or with
+/// The hit of a ray below an inner node of the last level that has queues: its closest hit, or with
 /// `any` the closest of the first leaf that has one, in the order of
-/// reference/numerics/closest_in_subtree.h. Every box that the ray overlaps is entered: nothing is
-/// culled by what has been hit.
+/// reference/numerics/closest_in_subtree.h. Every box that the ray overlaps is entered: known hits
+/// cull nothing.
 reference::HitCandidate hit_of_subtree(const reference::WideBvh& bvh, std::uint32_t inner_index,
                                        const reference::Ray& ray, bool any);
 

@@ -31,7 +31,7 @@ void InvariantChecker::State::add(Failure failure) {
 }
 
 void InvariantChecker::State::add_sorted(std::vector<Failure> found) {
-    // Those that name a ray say more than those that only say that a sum is wrong.
+    // Failures that name a ray say more than those that only report a wrong sum.
     const auto key = [](const Failure& f) {
         return std::make_tuple(f.node, f.ray == reference::kNotApplicable, f.block, f.ray);
     };
@@ -120,7 +120,7 @@ void InvariantChecker::on_retry(std::string_view, std::string_view) {
     State& state = *state_;
     ++state.counts.retries;
     if (!state.traversal.running) return;
-    // What the abandoned attempt did, right or wrong, does not count.
+    // The abandoned attempt does not count, right or wrong.
     state.counts.failures = state.traversal.failures_before;
     state.failures.resize(std::min(state.failures.size(), state.traversal.kept_before));
     state.traversal.running = false;
