@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kMostRays = 256;
 
-/// Rays that hit something, and where.
+/// The rays that hit something, with the distance.
 std::vector<std::pair<Ray, float>> rays_with_hits(const Recording& recording, std::size_t most) {
     std::vector<std::pair<Ray, float>> found;
     for (const TraversalRecord& traversal : recording.traversals) {

@@ -19,12 +19,12 @@ using reference::HitCandidate;
 namespace {
 
 constexpr std::size_t kKept = 20;
-/// Relative gap of t beyond which "the same primitive" is not taken for agreement: two tracers'
-/// roundings are a thousand times closer, but for grazing rays, which adjudication excuses.
+/// The relative gap of t above which the same primitive does not count as agreement: the rounding
+/// of two tracers is a thousand times smaller, except for grazing rays, which adjudication excuses.
 constexpr double kDistanceGap = 1e-4;
 
-/// Such files hold no barycentrics; adjudication is given those that belong to the primitive, so
-/// that it judges primitive and distance.
+/// Such files hold no barycentrics; adjudication gets those of the primitive, so that it judges
+/// primitive and distance.
 Hit hit_of(const reference::Scene& scene, const reference::Ray& ray, const HitCandidate& record) {
     Hit hit{record.t, record.primitive, 0.0f, 0.0f};
     if (record.primitive < scene.triangles.size()) {
@@ -58,7 +58,7 @@ HitComparison compare_hits(const reference::Scene& scene, const RayFile& rays,
     HitComparison out;
     out.rays = rays.rays.size();
     out.any_hit = rays.any_hit;
-    std::optional<reference::EmbreeTracer> embree;  // only for what adjudication needs
+    std::optional<reference::EmbreeTracer> embree;  // only for adjudication
     for (std::size_t i = 0; i < rays.rays.size(); ++i) {
         HitMismatch found{static_cast<std::uint32_t>(i), ours[i], theirs[i], {}};
         if (ours[i].primitive == theirs[i].primitive) {

@@ -1,4 +1,4 @@
-/// Hits of rays from a file against another tracer's.
+/// Compares hits of rays from a file with another tracer's.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace scotty::verify {
 
-/// A ray on which the two do not agree.
+/// A ray on which the two disagree.
 struct HitMismatch {
     std::uint32_t ray = 0;
     reference::HitCandidate ours, theirs;
@@ -23,19 +23,19 @@ struct HitComparison {
     bool any_hit = false;
     std::uint64_t rays = 0;
     std::uint64_t agree = 0;
-    double largest_gap = 0.0;  ///< of t, relative, where both hit the same primitive
+    double largest_gap = 0.0;  ///< of t, relative, if both hit the same primitive
     std::uint64_t ties = 0;
     std::uint64_t grazing = 0;
     std::uint64_t theirs_wrong = 0;
     std::uint64_t ours_wrong = 0;
-    std::vector<HitMismatch> mismatches;  ///< at most 20; where we are wrong first
+    std::vector<HitMismatch> mismatches;  ///< at most 20; those where we are wrong come first
 
     bool passed() const { return ours_wrong == 0; }
 };
 
-/// Same primitive (or the same answer), or a difference that double precision excuses. Both lists
-/// are as hit_record() makes them, one a ray. A distance that is off by more than rounding is
-/// adjudicated although the primitive is the same.
+/// Agreement is the same primitive (or the same answer), or a difference that double precision
+/// excuses. Both lists are as hit_record() makes them, one per ray. A distance that is off by more
+/// than rounding is adjudicated although the primitive is the same.
 HitComparison compare_hits(const reference::Scene& scene, const RayFile& rays,
                            std::span<const reference::HitCandidate> ours,
                            std::span<const reference::HitCandidate> theirs);
