@@ -18,7 +18,7 @@ using emulation::simt::Switch;
 
 namespace {
 
-/// Calls back with the stage, prepared to be run alone.
+/// Calls back with the stage, prepared to run alone.
 template <class Use>
 void with_stage(const Capture& capture, const std::string& stage, const Use& use) {
     const StageRecord* record = capture.find(stage);

@@ -1,4 +1,4 @@
-/// A captured stage in other orders of its blocks' memory accesses: `scotty replay --interleave`.
+/// A captured stage under other orders of its blocks' accesses: `scotty replay --interleave`.
 #pragma once
 
 #include <filesystem>
@@ -15,19 +15,19 @@ struct InterleaveReport {
     std::uint32_t blocks = 0;
     emulation::simt::ExploreOptions options;
     emulation::simt::Exploration exploration;
-    std::string saved;   ///< where the failing schedule is
+    std::string saved;   ///< the file of the failing schedule
     std::string replay;  ///< command that runs it
 
     bool passed() const { return exploration.complete && !exploration.failing; }
 };
 
-/// Every order of one stage (or those within the bound) against one block after the other, in
-/// canonical form. A failing order is saved to `save`, shrunk. Throws as replay_stage() does.
+/// Compares every order of one stage (or those within the bound) with one block after the other, in
+/// canonical form. A failing order is shrunk and saved to `save`. Throws as replay_stage() does.
 InterleaveReport interleave_stage(const Capture& capture, const std::string& stage,
                                   const emulation::simt::ExploreOptions& options,
                                   const std::filesystem::path& save);
 
-/// One saved order: whether its outcome is that of one block after the other.
+/// One saved order: whether its outcome equals that of one block after the other.
 struct InterleavedReplay {
     std::string stage;
     emulation::simt::Interleaving interleaving;

@@ -26,7 +26,7 @@ std::string hash_of(const std::vector<std::byte>& bytes) {
     return hash_text(bytes.data(), bytes.size());
 }
 
-/// Of each hit whether it is one.
+/// For each hit, whether it is one.
 std::vector<std::byte> occlusion(const BufferView& merged) {
     const auto* hits = static_cast<const std::byte*>(merged.data);
     std::vector<std::byte> out;
@@ -49,13 +49,13 @@ std::string determined_hash(const StageView& stage, const BufferView& buffer,
             parameters.shadow_query == reference::ShadowQuery::any) {
             return hash_of(occlusion(buffer));
         }
-        // Hits of shadow rays, handed on.
+        // Hits of shadow rays are only handed on.
         if (buffer.name == "shadow_hits") return {};
     }
     return hash_of(canonical_bytes(buffer, regions));
 }
 
-/// Those to compare: all, or those with something determined, which are the same in all schedules.
+/// The hashes to compare: all, or those with determined content, which every schedule has.
 std::vector<const StageHash*> compared(const std::vector<StageHash>& hashes, bool all) {
     std::vector<const StageHash*> out;
     for (const StageHash& hash : hashes) {
@@ -64,7 +64,7 @@ std::vector<const StageHash*> compared(const std::vector<StageHash>& hashes, boo
     return out;
 }
 
-/// Where two runs part; false where they do not.
+/// Finds where two runs part; returns false if they do not.
 bool first_difference(const std::vector<StageHash>& expected, const std::vector<StageHash>& found,
                       bool all_bytes, Failure& failure) {
     const auto a = compared(expected, all_bytes);

@@ -1,5 +1,5 @@
-/// One configuration under several schedules: whatever the contract calls determined is the same in
-/// all of them, and a schedule run twice is the same in every byte.
+/// One configuration under several schedules: everything that the contract calls determined must be
+/// the same in all of them, and a schedule run twice must be the same in every byte.
 #pragma once
 
 #include <cstdint>
@@ -18,14 +18,14 @@ namespace scotty::verify {
 struct StageHash {
     std::string stage, buffer;
     std::uint32_t launch = 0;
-    /// Of what no schedule may change: the canonical form (canonical.h); of shadow rays that only
-    /// ask, under early-out `immediate`, whether they hit. Empty where nothing is determined: what
-    /// traversal gathers under `immediate`.
+    /// The hash of what no schedule may change: the canonical form (canonical.h); for shadow rays
+    /// that only ask, under early-out `immediate`, whether they hit. Empty if nothing is
+    /// determined, as for what traversal gathers under `immediate`.
     std::string determined;
-    std::string bytes;  ///< of the bytes in use, in the order in which they lie
+    std::string bytes;  ///< of the bytes in use, in their order in memory
 };
 
-/// Hashes all that a run shows. What a retry has made void is left out.
+/// Hashes everything that a run shows. Stages that a retry has made void are left out.
 class StageHasher : public reference::StageObserver {
  public:
     explicit StageHasher(const reference::PipelineParameters& parameters)
@@ -38,16 +38,16 @@ class StageHasher : public reference::StageObserver {
  private:
     const reference::PipelineParameters& parameters_;
     std::vector<StageHash> hashes_;
-    std::size_t traversal_begin_ = 0;  ///< of the hashes, where the last traversal begins
+    std::size_t traversal_begin_ = 0;  ///< the index of the last traversal's first hash
 };
 
-/// Renders under one schedule, shown to the observer.
+/// Renders under one schedule, with an observer.
 using ScheduledRender =
     std::function<void(const emulation::Schedule& schedule, reference::StageObserver& observer)>;
 
-/// Runs every schedule; the first and the last one twice. At most one failure a schedule, naming
-/// the first stage and buffer that differ: `same-in-every-schedule` against the first schedule,
-/// `stray-nondeterminism` where the second run of one differs from its first.
+/// Runs every schedule; the first and the last one twice. There is at most one failure per
+/// schedule, which names the first stage and buffer that differ: `same-in-every-schedule` from the
+/// first schedule, `stray-nondeterminism` if the second run of one differs from its first.
 std::vector<Failure> check_schedules(const std::vector<emulation::Schedule>& schedules,
                                      const reference::PipelineParameters& parameters,
                                      const ScheduledRender& render);
