@@ -1,17 +1,17 @@
-/// What another program has to say.
+/// Asks other programs.
 #pragma once
 
 #include <string>
 
 namespace scotty::verify {
 
-/// All that a shell command prints, whatever its exit code; empty where it cannot be started.
+/// Everything that a shell command prints, whatever its exit code; empty if it cannot be started.
 std::string output_of(const std::string& command);
 
-/// Last line that is not empty of what a shell command prints; empty where it fails.
+/// The last non-empty line that a shell command prints; empty if it fails.
 std::string ask(const std::string& command);
 
-/// Any text as one word of a shell's command line.
+/// Quotes any text as one word of a shell's command line.
 std::string shell_word(const std::string& text);
 
 }  // namespace scotty::verify

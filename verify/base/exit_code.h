@@ -1,4 +1,4 @@
-/// What the exit code of `scotty` says.
+/// The exit codes of `scotty`.
 #pragma once
 
 namespace scotty::verify {
@@ -7,9 +7,9 @@ namespace scotty::verify {
 inline constexpr int kExitPassed = 0;
 inline constexpr int kExitFailed = 1;              ///< a verification failed
 inline constexpr int kExitUsage = 2;               ///< usage or input is wrong, or nothing matched
-inline constexpr int kExitMissingEnvironment = 3;  ///< something required is not on this machine
+inline constexpr int kExitMissingEnvironment = 3;  ///< this machine lacks something required
 inline constexpr int kExitInternal = 70;
-/// Plus the signal's number, as a shell has it: stopped by Ctrl-C (130), and what was done is kept.
+/// Plus the signal's number, as in a shell: stopped by Ctrl-C (130); finished work is kept.
 inline constexpr int kExitStopped = 128;
 
 }  // namespace scotty::verify

@@ -1,4 +1,4 @@
-/// Numbers that JSON has no words for.
+/// Numbers that JSON cannot express.
 #pragma once
 
 #include <cmath>
@@ -11,18 +11,18 @@
 
 namespace scotty::verify {
 
-/// One that is not finite is the string "NaN", "Infinity" or "-Infinity".
+/// A number that is not finite becomes the string "NaN", "Infinity" or "-Infinity".
 inline nlohmann::ordered_json json_number(double value) {
     if (std::isfinite(value)) return value;
     if (std::isnan(value)) return "NaN";
     return value > 0.0 ? "Infinity" : "-Infinity";
 }
-/// Null where there is none.
+/// Null if there is none.
 inline nlohmann::ordered_json json_number(const std::optional<float>& value) {
     return value ? json_number(static_cast<double>(*value)) : nlohmann::ordered_json(nullptr);
 }
 
-/// Of a node, ray, level or the like: null where it says that there is none.
+/// The id of a node, ray, level or the like; null if it means none.
 inline nlohmann::ordered_json json_id(std::uint32_t value) {
     static_assert(reference::kNone == reference::kNotApplicable);
     return value == reference::kNone ? nlohmann::ordered_json(nullptr)

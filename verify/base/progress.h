@@ -1,4 +1,4 @@
-/// A line on the terminal that says what a long run is doing; nothing where stderr is no terminal.
+/// A line on the terminal that shows a long run's progress; nothing if stderr is no terminal.
 #pragma once
 
 #include <chrono>
@@ -16,9 +16,9 @@ class Progress {
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
-    /// Rewrites the line, at most ten times a second, and not within the first second.
+    /// Rewrites the line, at most ten times per second, and not within the first second.
     void show(const std::string& text);
-    /// Takes the line away, so that something else can be printed.
+    /// Removes the line, so that something else can be printed.
     void clear();
 
  private:

@@ -1,4 +1,4 @@
-/// Equality as the contract means it: bit for bit, where -0 is not 0 and a NaN is itself.
+/// Equality as the contract means it: bit for bit, so that -0 is not 0 and a NaN equals itself.
 #pragma once
 
 #include <cstring>
@@ -8,7 +8,7 @@
 
 namespace scotty::verify {
 
-/// Of types without padding.
+/// For types without padding.
 template <class T>
 bool same_bits(const T& a, const T& b) {
     static_assert(std::is_trivially_copyable_v<T>);

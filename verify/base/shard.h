@@ -11,13 +11,13 @@ struct Shard {
     std::size_t index = 0;  ///< from 0
     std::size_t count = 1;
 
-    /// Dealt out like cards, so that neighbours, which take about as long, part.
+    /// Items are dealt out like cards, so that neighbours, which take about as long, are separated.
     bool has(std::size_t item) const { return item % count == index; }
-    /// In runs of neighbours, where these share what has to be done first.
+    /// Items stay in runs of neighbours, which share preparation.
     bool has(std::size_t item, std::size_t of) const { return item * count / of == index; }
 };
 
-/// "2/4": the second of four; empty: all of it. Throws bad_input.
+/// "2/4" is the second of four; empty means everything. Throws bad_input.
 Shard parse_shard(const std::string& text);
 void add_shard_option(CLI::App& command, std::string& text);
 

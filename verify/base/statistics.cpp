@@ -25,7 +25,7 @@ double beta_fraction(double a, double b, double x) {
         product *= c * d;
         return std::abs(c * d - 1.0) < 4.0 * std::numeric_limits<double>::epsilon();
     };
-    // Converges in about the square root of the larger parameter.
+    // It converges in about the square root of the larger parameter.
     const int most = 1000 + static_cast<int>(10.0 * std::sqrt(std::fmax(a, b)));
     for (int m = 1; m <= most; ++m) {
         const double twice = 2.0 * m;
@@ -53,7 +53,7 @@ double incomplete_beta(double a, double b, double x) {
 
 double student_two_sided(double t, double degrees_of_freedom) {
     SCOTTY_ASSERT(degrees_of_freedom, >, 0.0);
-    // From here on the normal is within 1e-3 of it, where the probability is 1e-12.
+    // From here on the normal distribution is within 1e-3 of it at a probability of 1e-12.
     if (degrees_of_freedom > 1e6) return normal_two_sided(t);
     const double t2 = t * t;
     if (!std::isfinite(t2)) return 0.0;

@@ -1,4 +1,4 @@
-/// Ctrl-C as a request: what is complete is kept.
+/// Ctrl-C as a request: finished work is kept.
 #pragma once
 
 #include <array>
@@ -6,8 +6,8 @@
 
 namespace scotty::verify {
 
-/// While it lives, the first SIGINT or SIGTERM is noted, for a long run to ask about; the second
-/// ends the program as ever. A signal that was ignored (nohup) stays so. One at a time.
+/// While it lives, a long run can ask about the first SIGINT or SIGTERM; the second ends the
+/// program as usual. An ignored signal (nohup) stays ignored. Only one may live at a time.
 class StopSignals {
  public:
     StopSignals();
