@@ -24,8 +24,8 @@ using reference::StageView;
 
 namespace {
 
-/// Under `immediate` what is queued and gathered depends on when other blocks lower a minimum; the
-/// rays themselves and what comes of them do not.
+/// Under `immediate` queues and gathered hits depend on when other blocks lower a minimum; the rays
+/// themselves and their final results do not.
 bool depends_on_timing(const PipelineParameters& p, const StageView& stage,
                        std::string_view buffer) {
     if (p.early_out != EarlyOut::immediate) return false;
@@ -34,13 +34,13 @@ bool depends_on_timing(const PipelineParameters& p, const StageView& stage,
            (buffer == "hit_counts" || buffer == "hits" || buffer == "packed_hits");
 }
 
-/// Of shadow rays that only asked whether something is hit, with hits that come and go.
+/// Whether the buffer belongs to shadow rays that only ask whether they hit; their hits vary.
 bool only_occlusion(const PipelineParameters& p, const StageView& stage, std::string_view buffer) {
     return p.early_out == EarlyOut::immediate && p.shadow_query == reference::ShadowQuery::any &&
            stage.light != kNotApplicable && (buffer == "merged" || buffer == "shadow_hits");
 }
 
-/// Which difference of a stage leads: what it was handed, then what names a ray.
+/// Orders a stage's differences: inputs lead, then those that name a ray.
 int rank(const Comparison& comparison, std::string_view buffer, bool output) {
     if (!output) return 0;
     if (comparison.field == "shape") return 4;
@@ -125,7 +125,7 @@ class Differ::State {
     }
 
     void add_by_hash(const StageRecord& b) {
-        b_checker_.reset();  // there is nothing to check the bounds with
+        b_checker_.reset();  // nothing is left to check the bounds with
         const StageRecord* a = partner_of(bare_view(b));
         if (a == nullptr) return;
         StageResult result = bare(bare_view(b));
@@ -200,8 +200,7 @@ class Differ::State {
         return parameters().arithmetic == reference::Arithmetic::fast ||
                options_.b_arithmetic == reference::Arithmetic::fast;
     }
-    /// A's stage of that name, which is the last seen from now on; null where there is none to
-    /// compare with.
+    /// A's stage of that name, from now on the last seen; null if there is none to compare with.
     const StageRecord* partner_of(const StageView& b) {
         if (!asked(b.name)) return nullptr;
         const auto at = order_.find(b.name);
@@ -218,7 +217,7 @@ class Differ::State {
         return &a_.stages()[last_];
     }
 
-    /// Equal canonical hashes, whatever the order or the room for more, are equal content.
+    /// Equal canonical hashes mean equal content, whatever the order or the unused room.
     void compare_hashes(const std::vector<BufferRecord>& a, const std::vector<BufferRecord>& b,
                         bool input, const StageRecord& stage, StageResult& result) {
         const StageView view = bare_view(stage);
@@ -263,14 +262,14 @@ class Differ::State {
         result.launch = stage.launch;
         return result;
     }
-    /// A's stages in their order; what only B has comes behind the last that both have.
+    /// A's stages in their order; those that only B has come after the last that both have.
     static std::pair<std::size_t, std::size_t> key(std::size_t a_index, std::size_t extra = 0) {
         return {a_index, extra};
     }
 
     void add_missing(StageResult result, const char* side, std::size_t where) {
-        // With timing in play, one run may well be done a level earlier than the other; whether it
-        // was right to be is for the bounds.
+        // When timing matters, one run may well be done a level earlier than the other; the bounds
+        // say whether it was right.
         result.missing = true;
         const bool may_be =
             parameters().early_out == EarlyOut::immediate && is_of_traversal(result.kind);
@@ -309,13 +308,13 @@ class Differ::State {
     void take_failures_of_b() {
         if (!b_checker_) return;
         const auto& failures = b_checker_->failures();
-        // A retry takes failures back.
+        // A retry withdraws failures.
         for (taken_ = std::min(taken_, failures.size()); taken_ < failures.size(); ++taken_) {
             add_out_of_bounds(divergence_of(failures[taken_], "B"));
         }
     }
 
-    /// Onto the stage that the failure names.
+    /// Adds to the stage that the failure names.
     void add_out_of_bounds(Divergence found) {
         const auto at = order_.find(found.stage);
         if (at == order_.end() || !asked(found.stage)) return;
@@ -358,7 +357,7 @@ class Differ::State {
                 add_missing_buffer(b, buffer, output, "B", result, best_rank);
             }
         }
-        // A stage that was run alone hands back more than the pipeline shows.
+        // A stage that ran alone returns more than the pipeline shows.
         if (options_.isolated) return;
         for (const BufferView& buffer : b_list) {
             if (find_in(a_list, buffer.name) == nullptr) {
@@ -426,7 +425,7 @@ class Differ::State {
     std::size_t extras_ = 0;  ///< stages that only B has
     std::uint64_t not_compared_ = 0;
     std::optional<InvariantChecker> b_checker_;
-    std::size_t taken_ = 0;  ///< failures of B's that have been reported
+    std::size_t taken_ = 0;  ///< B's failures that have been reported
     std::vector<Divergence> a_failures_;
 };
 

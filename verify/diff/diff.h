@@ -1,8 +1,8 @@
-/// Two runs held against each other, kernel launch by kernel launch, bit for bit.
+/// Compares two runs, kernel launch by kernel launch, bit for bit.
 ///
-/// What counts as equal: docs/captures.md, after docs/design.md section 5. With early-out
-/// `immediate` what a level queues and gathers depends on timing: both runs are then held to the
-/// invariants (verify/invariants/invariants.h), which are the set bounds of the contract.
+/// docs/captures.md says what counts as equal, and docs/design.md why. With early-out `immediate` a
+/// level's queues and gathered hits depend on timing: both runs then have to keep the invariants
+/// (verify/invariants/invariants.h), which are the set bounds of the contract.
 #pragma once
 
 #include <cstdint>
@@ -19,37 +19,37 @@
 
 namespace scotty::verify {
 
-/// In order of gravity: a stage's verdict is its buffers' worst.
+/// In order of gravity: a stage's verdict is the worst of its buffers'.
 enum class Verdict : std::uint8_t {
-    identical,         ///< the same bytes, unused memory apart
-    reordered,         ///< other bytes, the same canonical form, in a buffer whose order is free
-    within_tolerance,  ///< fast arithmetic: by the array's tolerance (verify/diff/tolerance.h)
+    identical,         ///< the same bytes, unused memory excepted
+    reordered,         ///< other bytes, the same canonical form, in a buffer with free order
+    within_tolerance,  ///< fast arithmetic: within the array's tolerance (verify/diff/tolerance.h)
     within_bounds,     ///< depends on timing (`immediate`); each run keeps the set bounds
     not_comparable,    ///< depends on timing, and the capture holds too little to check the bounds
     differs
 };
 const char* to_string(Verdict verdict);
 
-/// Where two runs part.
+/// The place where two runs part.
 struct Divergence {
     std::string stage;
     std::uint32_t launch = reference::kNotApplicable;
     std::uint32_t level = reference::kNotApplicable;
     std::uint32_t node = reference::kNotApplicable;    ///< breadth-first id; position without a BVH
     std::uint32_t block = reference::kNotApplicable;   ///< logical block that wrote it
-    std::uint32_t thread = reference::kNotApplicable;  ///< of the block: the ray's
+    std::uint32_t thread = reference::kNotApplicable;  ///< of the block: the ray's thread
     std::uint32_t ray = reference::kNotApplicable;
     std::string buffer;
-    std::string field;   ///< "direction.x"; empty where an element is one number
-    bool input = false;  ///< the stage was handed it so
+    std::string field;   ///< "direction.x"; empty if an element is one number
+    bool input = false;  ///< the difference is in the stage's input
     std::string a, b;    ///< hexadecimal and decimal
     std::optional<std::uint64_t> ulps;
     std::string sentence;
-    std::uint32_t pixel_x = reference::kNotApplicable;  ///< where the ray came from
+    std::uint32_t pixel_x = reference::kNotApplicable;  ///< the origin of the ray
     std::uint32_t pixel_y = reference::kNotApplicable;
     std::uint32_t sample = reference::kNotApplicable;
     std::string replay;  ///< the command that runs the stage again
-    /// Kernel, thread and line that wrote B's value, where B checks what its kernels touch.
+    /// Kernel, thread and line that wrote B's value, if B checks its kernels' accesses.
     std::string written_by;
 };
 
@@ -92,45 +92,44 @@ struct DiffReport {
     std::uint64_t not_compared = 0;  ///< on one side only, because only that side was asked for it
 
     bool passed() const;
-    /// Of the first stage that failed; null where none has one.
+    /// The divergence of the first stage that failed; null if none has one.
     const Divergence* first() const;
     std::uint64_t non_finite_values() const;
     const NonFinite* first_non_finite() const;
 };
 
 struct DiffOptions {
-    std::vector<std::string> patterns;  ///< stages to compare; none: all
+    std::vector<std::string> patterns;  ///< stages to compare; empty: all
     std::string b_backend;              ///< for the replay command
-    /// Backend::written_by of who runs B.
+    /// Backend::written_by of B's back end.
     std::function<std::string(const void*)> written_by;
     /// A stage alone: inputs are the capture's own, and bounds over a whole run do not apply.
     bool isolated = false;
-    /// B's, where it is not A's.
+    /// B's arithmetic, which may differ from A's.
     reference::Arithmetic b_arithmetic = reference::Arithmetic::exact;
-    /// Where A goes with the command: what to run again instead of replaying a stage of A.
+    /// If A goes with the command: what to run again instead of replaying a stage of A.
     std::string rerun;
 };
 
 /// Compares stages with a capture's as they come.
 class Differ : public reference::StageObserver {
  public:
-    /// `a` is borrowed. Reads its pipeline input where it has one: without, nodes are named by
+    /// `a` is borrowed. Reads its pipeline input if it has one; without it, nodes are named by
     /// their position in the level.
     Differ(const Capture& a, DiffOptions options);
     ~Differ() override;
 
     void on_stage(const reference::StageView& b) override;
     void on_retry(std::string_view stage, std::string_view reason) override;
-    /// A stage of B of which only the index is left: compared by hash.
+    /// Adds a stage of B of which only the index is left, compared by hash.
     void add_by_hash(const StageRecord& b);
-    /// A stage of A that B could not run, and why.
+    /// Adds a stage of A that B could not run, and the reason.
     void add_error(const StageRecord& stage, const std::string& what);
 
-    /// B's run has failed: the stage of A behind the last that came is the one that could not be
-    /// run.
+    /// B's run has failed: the stage of A after the last one seen is the one that could not run.
     void add_end(const std::string& what);
 
-    /// Closes the books. `covers`: whether B was asked for a stage of that name.
+    /// Completes the report. `covers`: whether B was asked for a stage of that name.
     DiffReport finish(const std::function<bool(std::string_view)>& covers);
 
  private:
@@ -138,21 +137,21 @@ class Differ : public reference::StageObserver {
     std::unique_ptr<State> state_;
 };
 
-/// Throws bad_input naming what differs where two captures cannot be compared: another scene, BVH
-/// or parameter. The hit capacity may differ.
+/// Throws bad_input naming the difference if two captures cannot be compared: another scene, BVH or
+/// parameter. The hit capacity may differ.
 void expect_comparable(const Capture& a, const Capture& b);
 
-/// Where one of them has no buffers any more (an index travels lighter), by hash: which stage and
-/// buffer part first, but not where in it.
+/// If one of them has no buffers any more (an index travels lighter), compares by hash, which finds
+/// the stage and buffer that part first, but not the place in it.
 DiffReport diff_captures(const Capture& a, const Capture& b, DiffOptions options = {});
-/// The same by the indices' hashes alone, whatever else there is: no buffer is read.
+/// Compares by the indices' hashes alone: no buffer is read.
 DiffReport diff_by_hash(const Capture& a, const Capture& b, DiffOptions options = {});
 
 /// The report for people: non-finite values, the first divergence, a table by stage kind.
 std::string to_text(const DiffReport& report);
 nlohmann::ordered_json to_json(const DiffReport& report);
 nlohmann::ordered_json to_json(const StageResult& stage);
-/// "launch 12 bounce0/level3/intersect, level 3, node 40, block 7, ray 1234 ..." and what follows.
+/// "launch 12 bounce0/level3/intersect, level 3, node 40, block 7, ray 1234 ..." and the rest.
 std::string to_text(const Divergence& divergence);
 
 }  // namespace scotty::verify

@@ -1,4 +1,4 @@
-/// Two captures against each other.
+/// Compares two captures.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -44,8 +44,8 @@ void expect_comparable(const Capture& a, const Capture& b) {
     expect("the scene's fingerprint", hex_text(ha.scene_fingerprint),
            hex_text(hb.scene_fingerprint));
     PipelineParameters pa = ha.parameters;
-    pa.hit_capacity = hb.parameters.hit_capacity;  // where it starts does not matter: it grows
-    pa.arithmetic = hb.parameters.arithmetic;      // what differs is held to tolerances
+    pa.hit_capacity = hb.parameters.hit_capacity;  // its start does not matter: it grows
+    pa.arithmetic = hb.parameters.arithmetic;      // differences are held to tolerances
     const nlohmann::ordered_json ja = to_json(pa);
     const nlohmann::ordered_json jb = to_json(hb.parameters);
     for (const auto& item : ja.items()) {

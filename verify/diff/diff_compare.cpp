@@ -1,4 +1,4 @@
-/// Two versions of one buffer: equal, equal but for a free order, or where they part first.
+/// Two versions of one buffer: equal, equal except for a free order, or where they part first.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ bool same_bytes(const BufferView& a, const BufferView& b) {
     return a.bytes == b.bytes && (a.bytes == 0 || std::memcmp(a.data, b.data, a.bytes) == 0);
 }
 
-/// Sets that can hold an entry more than once: what each has that the other has not.
+/// Sets that can hold an entry more than once: the entries that only one side has.
 struct SetDifference {
     std::vector<std::uint64_t> only_a, only_b;
     std::vector<std::uint64_t> a, b;  ///< sorted
@@ -67,7 +67,7 @@ bool used_bytes_equal(const BufferPair& pair, const Regions& a, const Regions& b
     return true;
 }
 
-/// Where B's buffer holds an entry; the last, should there be several.
+/// The place of an entry in B's buffer; the last, if there are several.
 std::optional<std::size_t> word_of(const BufferView& buffer, const Regions& regions,
                                    std::size_t region, std::uint64_t entry) {
     const Regions::Region& r = regions.regions[region];
@@ -184,7 +184,7 @@ Comparison compare_ordered(const BufferPair& pair) {
     out.row = first / columns;
     std::size_t column = first % columns;
     if (pair.a.name == "packed_hits" && word_at(pair.a, first | 1) != word_at(pair.b, first | 1)) {
-        column = 1;  // t says more than which primitive
+        column = 1;  // t says more than the primitive
         first |= 1;
     }
     out.word = first;

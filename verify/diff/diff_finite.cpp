@@ -1,4 +1,4 @@
-/// What must be finite and is not, as the diff says it.
+/// The diff's message for a value that must be finite and is not.
 #include "verify/capture/finite.h"
 #include "verify/diff/diff_parts.h"
 

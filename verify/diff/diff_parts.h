@@ -21,7 +21,7 @@ using reference::Row;
 
 /// A value as reports show it: "0x3f800001 (1.00000012)".
 std::string value_text(std::uint32_t bits, bool is_float);
-/// Floats between two: 0 for equal ones, 1 for neighbours, +0 and -0 one apart. None with a NaN.
+/// Floats between two: 0 for equal ones, 1 for neighbours, and for +0 and -0. None with a NaN.
 std::optional<std::uint64_t> ulps_between(std::uint32_t a, std::uint32_t b);
 
 /// Two versions of one buffer.
@@ -36,24 +36,24 @@ struct BufferPair {
 struct Comparison {
     Verdict verdict = Verdict::identical;
     std::uint64_t different = 0;
-    // Of the first difference, where there is one.
+    // The first difference, if there is one.
     std::size_t row = 0;
     std::uint32_t entry_ray = reference::kNotApplicable;        ///< queue: the ray that it is about
     std::uint32_t entry_primitive = reference::kNotApplicable;  ///< hits: the hit's primitive
     std::string field, a, b, sentence;
     std::optional<std::uint64_t> ulps;
-    std::optional<std::size_t> word;  ///< of B's buffer: the value that should not be there
+    std::optional<std::size_t> word;  ///< in B's buffer: the value that should not be there
 };
 
 Comparison compare_ordered(const BufferPair& pair);
 Comparison compare_queues(const BufferPair& pair);
 Comparison compare_hit_lists(const BufferPair& pair);
-/// Only whether something is hit.
+/// Compares only whether something is hit.
 Comparison compare_occlusion(const BufferPair& pair);
-/// Whichever of the above the buffer's order asks for.
+/// Calls the one of the above that the buffer's order needs.
 Comparison compare(const BufferPair& pair);
 
-/// What must be finite and is not; by the rules of verify/capture/finite.h.
+/// Finds a value that must be finite and is not, by the rules of verify/capture/finite.h.
 std::optional<NonFinite> find_non_finite(const reference::StageView& stage,
                                          const reference::BufferView& output);
 
@@ -70,13 +70,13 @@ class Places {
 
  private:
     std::uint32_t node_id(std::uint32_t level, std::size_t position) const;
-    /// The logical block and thread that take a ray of a node of the stage's level.
+    /// Fills in the logical block and thread that take a ray of a node of the stage's level.
     void fill_thread(Divergence& out, const BufferPair& pair, std::uint32_t node);
     std::uint32_t last_queue_of(std::uint32_t primitive);
 
     const Capture& capture_;
     const reference::WideBvh* bvh_;
-    std::vector<std::uint32_t> last_queues_;  ///< by primitive; made when first asked for
+    std::vector<std::uint32_t> last_queues_;  ///< by primitive; made on first use
     struct Origins {
         std::vector<std::uint32_t> pixel, sample;
     };

@@ -12,7 +12,7 @@ using reference::StageView;
 
 namespace {
 
-/// Position of a ray in a node's queue; none where it is not there.
+/// Position of a ray in a node's queue; none if it is not in it.
 std::optional<std::uint32_t> position_in_queue(const StageView& stage, std::uint32_t position,
                                                std::uint32_t ray) {
     const auto counts = stage.get<std::uint32_t>("node_counts");
@@ -45,7 +45,7 @@ std::uint32_t Places::last_queue_of(std::uint32_t primitive) {
     return primitive < last_queues_.size() ? last_queues_[primitive] : kNotApplicable;
 }
 
-/// B's, or A's where B has no such ray.
+/// Uses B's queue, or A's if B has no such ray.
 void Places::fill_thread(Divergence& out, const BufferPair& pair, std::uint32_t node) {
     if (bvh_ == nullptr || pair.b_stage.level >= bvh_->level_count()) return;
     const std::uint32_t first = bvh_->level_begins[pair.b_stage.level];
@@ -101,7 +101,7 @@ void Places::fill(Divergence& out, const BufferPair& pair, const Comparison& fir
     } else if (out.ray != kNotApplicable && stage.threads != 0 &&
                stage.kind != StageKind::primary_rays &&
                stage.kind != StageKind::reconstruct_image) {
-        out.block = out.ray / stage.threads;  // one thread a ray
+        out.block = out.ray / stage.threads;  // one thread per ray
         out.thread = out.ray % stage.threads;
     }
     fill_provenance(out, stage.batch);

@@ -83,7 +83,7 @@ ordered_json to_json(const NonFinite& found) {
     return out;
 }
 
-/// Columns that hold nothing are left out.
+/// Empty columns are left out.
 std::string table(const DiffReport& report) {
     const auto counts = counts_by_kind(report);
     std::vector<Verdict> columns;

@@ -17,7 +17,7 @@ using reference::StageView;
 
 namespace {
 
-/// Runs a stage on captured inputs and shows what came out to the differ.
+/// Runs a stage on captured inputs and shows the outputs to the differ.
 void run_alone(const Capture& capture, const StageRecord& record, const PipelineInput& input,
                const Backend& backend, Differ& differ) {
     const LoadedStage prepared = prepare_stage(capture, record);
@@ -97,7 +97,7 @@ DiffReport diff_with_run(const Capture& capture, const Backend& backend, DiffOpt
     try {
         backend.render(input, &differ);
     } catch (const reference::Error& error) {
-        // What had been seen until then leads: it may well be the reason.
+        // Earlier findings lead, because they may well be the reason.
         if (error.kind() != reference::ErrorKind::internal) throw;
         differ.add_end(error.what());
         whole_run = false;

@@ -1,4 +1,4 @@
-/// Captured stages run again by a back end: one alone, or each on A's inputs (an isolated diff).
+/// A back end runs captured stages again: one alone, or each on A's inputs (an isolated diff).
 #pragma once
 
 #include <string>
@@ -9,14 +9,14 @@
 
 namespace scotty::verify {
 
-/// Runs one stage and compares with what was captured of it. Throws bad_input where there is no
-/// such stage, or the capture lacks what it needs.
+/// Runs one stage and compares it with the capture. Throws bad_input if there is no such stage, or
+/// the capture lacks its inputs.
 DiffReport replay_stage(const Capture& capture, const std::string& stage, const Backend& backend);
 
-/// Every stage of the capture alone.
+/// Runs every stage of the capture alone.
 DiffReport diff_isolated(const Capture& capture, const Backend& backend, DiffOptions options);
 
-/// A fresh run from the capture's input.
+/// Compares with a fresh run from the capture's input.
 DiffReport diff_with_run(const Capture& capture, const Backend& backend, DiffOptions options);
 
 }  // namespace scotty::verify

@@ -16,7 +16,7 @@ using reference::Tolerance;
 
 namespace {
 
-/// Few rows may fork even where the share of a short array rounds to none.
+/// A few rows may fork even if the share of a short array rounds to none.
 std::uint64_t allowed(const Tolerance& tolerance, std::uint64_t rows) {
     if (tolerance.share == 0.0) return 0;
     return 2 + static_cast<std::uint64_t>(tolerance.share * static_cast<double>(rows));
@@ -34,7 +34,7 @@ void close(Comparison& out, const Tolerance& tolerance, std::uint64_t rows) {
         out.different, rows, tolerance.relative, allowed(tolerance, rows));
 }
 
-/// Largest finite magnitude of each field.
+/// The largest finite magnitude of each field.
 std::vector<double> scales_of(const BufferView& buffer, const BufferInfo& layout) {
     const std::size_t columns = layout.fields.size();
     std::vector<double> scales(columns, 0.0);
@@ -47,7 +47,7 @@ std::vector<double> scales_of(const BufferView& buffer, const BufferInfo& layout
     return scales;
 }
 
-/// Zero for equal ones, infinite where one is not finite or the field is no float.
+/// Zero for equal values, infinite if one is not finite or the field is no float.
 double error_between(std::uint32_t a, std::uint32_t b, bool is_float, double scale) {
     if (a == b) return 0.0;
     const auto x = static_cast<double>(std::bit_cast<float>(a));
@@ -90,7 +90,7 @@ Comparison compare_rows(const BufferPair& pair, const BufferInfo& layout) {
     return out;
 }
 
-/// Lengths and offsets of queues: how many entries they disagree about.
+/// Lengths and offsets of queues: the number of entries on which they disagree.
 Comparison compare_lengths(const BufferPair& pair, const BufferInfo& info) {
     Comparison out = compare_ordered(pair);
     if (out.verdict == Verdict::identical || out.field == "shape") return out;
