@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kColors = 4;
 
-// Red is for failures. The four differ in lightness too, for whoever does not see the hue.
+// Red is for failures. The four also differ in lightness, for readers who do not see the hue.
 constexpr const char* kChartStyle = R"(<style>
 .chart { color-scheme: light dark; font: 13px system-ui, sans-serif; fill: #1f2124; --c0: #2d5f8f; --c1: #b8660a; --c2: #2e8b7a; --c3: #8a5aa8;
   --given: #7d8187; --grid: #e3e3df; --quiet: #63676d; }
@@ -73,7 +73,7 @@ std::string short_number(double value) {
     const double size = std::abs(value);
     const auto scaled = [&](double unit, const char* suffix) {
         const double part = value / unit;
-        // "262k" and "1.05M", but "1M" where that is all there is.
+        // "262k" and "1.05M", but "1M" for round values.
         const int digits = std::abs(part) < 9.995 ? 2 : std::abs(part) < 99.95 ? 1 : 0;
         std::string text = fmt::format("{:.{}f}", part, digits);
         if (digits > 0) {
@@ -95,7 +95,7 @@ double text_width(std::string_view text) {
 
 std::string svg_text(double x, double y, std::string_view anchor, std::string_view kind,
                      std::string_view text) {
-    std::string plain(text);  // XML has no word for control characters, not even escaped
+    std::string plain(text);  // XML cannot express control characters, not even escaped
     std::replace_if(
         plain.begin(), plain.end(), [](unsigned char c) { return c < 0x20; }, ' ');
     return fmt::format(

@@ -1,5 +1,5 @@
-/// Lines and bars as SVG: what an analysis draws. Light and dark by the reader's preference, no
-/// script, nothing fetched; legible at 420 pixels.
+/// Lines and bars as SVG, for analyses. They are light or dark by the reader's preference, use no
+/// script, fetch nothing, and are legible at 420 pixels.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@ namespace scotty::verify {
 
 struct ChartPoint {
     double x = 0.0, y = 0.0;
-    double low = 0.0, high = 0.0;  ///< the ends of a whisker; both y: none
-    std::string label;             ///< of a category, in bars
+    double low = 0.0, high = 0.0;  ///< the ends of a whisker; both y: no whisker
+    std::string label;             ///< of a category, for bars
 };
 
 enum class LineStyle {
@@ -20,12 +20,12 @@ enum class LineStyle {
 };
 
 struct ChartSeries {
-    std::string name;  ///< written beside its end; may be empty
+    std::string name;  ///< written beside the end of the line; may be empty
     int color = 0;     ///< 0, 1, ... and kGivenColor
     LineStyle style = LineStyle::line;
     std::vector<ChartPoint> points;
 };
-/// Grey: what was not measured here.
+/// Grey, for values that were not measured here.
 inline constexpr int kGivenColor = -1;
 
 enum class Scale { linear, log2, log10 };
@@ -33,7 +33,7 @@ enum class Scale { linear, log2, log10 };
 struct ChartAxis {
     std::string label;
     Scale scale = Scale::linear;
-    bool from_zero = false;  ///< linear: zero is on it
+    bool from_zero = false;  ///< for a linear axis: it includes zero
 };
 
 /// Series over a number.
@@ -54,16 +54,16 @@ struct ChartPanel {
     double height = 0.0;
 };
 
-/// Throw bad_input naming series and point where a value is not finite, not positive on a
-/// logarithmic axis, or a bar negative.
+/// Both throw bad_input naming series and point if a value is not finite, not positive on a
+/// logarithmic axis, or a bar is negative.
 ChartPanel draw(const LineChart& chart);
 ChartPanel draw(const BarChart& chart);
 
-/// Panels below each other as one file, or as an element of a page. The title is read out, not
-/// shown.
+/// Panels below each other as one file, or as an element of a page. Screen readers read the title;
+/// it is not shown.
 std::string svg_document(const std::string& title, const std::vector<ChartPanel>& panels);
 
-/// "65.5k", "0.42", "1.2M": three digits.
+/// Three digits: "65.5k", "0.42", "1.2M".
 std::string short_number(double value);
 
 }  // namespace scotty::verify

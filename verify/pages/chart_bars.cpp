@@ -1,4 +1,4 @@
-/// Bars that lie, so that long names fit, each with its value; grouped by category.
+/// Horizontal bars, so that long names fit, each with its value; grouped by category.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -54,7 +54,7 @@ class BarDrawing {
     }
 
  private:
-    /// Which colour is who; lines of it where one is not enough. None for one series without name.
+    /// Draws the colours' names, on several lines if needed; nothing for one series without a name.
     void draw_key() {
         double x = 4.0;
         bool any = false;

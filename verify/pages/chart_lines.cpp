@@ -10,20 +10,20 @@ namespace scotty::verify {
 namespace {
 
 constexpr double kTop = 34.0;      ///< room for the name of the y axis
-constexpr double kPlot = 210.0;    ///< height of what is between the axes
+constexpr double kPlot = 210.0;    ///< height between the axes
 constexpr double kBottom = 52.0;   ///< ticks and name of the x axis
 constexpr double kLeft = 52.0;     ///< ticks of the y axis
 constexpr double kToLabel = 12.0;  ///< from the last point to the name of its series
 constexpr double kMarker = 3.5;
 
-/// The name of a series, and the end of the line that it belongs to.
+/// The name of a series, and the end of its line.
 struct EndLabel {
     const ChartSeries* series;
     double x, y;      ///< of the last point
-    double at = 0.0;  ///< where the text's middle goes
+    double at = 0.0;  ///< the position of the text's middle
 };
 
-/// From top to bottom, none over another, all within the plot where they fit.
+/// Spreads labels from top to bottom without overlap, within the plot if they fit.
 void spread(std::vector<EndLabel>& labels, double top, double bottom) {
     std::sort(labels.begin(), labels.end(),
               [](const EndLabel& a, const EndLabel& b) { return a.y < b.y; });
@@ -49,7 +49,7 @@ class LineDrawing {
 
     ChartPanel draw() {
         draw_axes();
-        // Ours last, and so on top of what they are compared with.
+        // Ours come last, and so on top of the given ones.
         for (const bool given : {true, false}) {
             for (const ChartSeries& one : chart_.series) {
                 if ((one.color == kGivenColor) == given) draw_series(one);

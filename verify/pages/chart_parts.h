@@ -1,4 +1,4 @@
-/// What lines and bars are both drawn with. All lengths are units of a drawing kChartWidth wide.
+/// Shared by lines and bars. All lengths are units of a drawing kChartWidth wide.
 #pragma once
 
 #include <string>
@@ -13,10 +13,10 @@ inline constexpr double kChartWidth = 560.0;
 inline constexpr double kChartFont = 13.0;
 inline constexpr double kChartRow = 17.0;  ///< from one line of text to the next
 
-/// From values to positions, and where its ticks are.
+/// Maps values to positions, and places the ticks.
 class ChartScale {
  public:
-    /// Over all `values`; `begin` and `end` are positions. Without values: 0 to 1, or 1 to 10.
+    /// Covers all `values`; `begin` and `end` are positions. Without values: 0 to 1, or 1 to 10.
     ChartScale(const ChartAxis& axis, std::vector<double> values, double begin, double end);
 
     double operator()(double value) const;
@@ -35,14 +35,14 @@ void expect_finite(const std::vector<ChartSeries>& series);
 void expect_positive(const std::vector<ChartSeries>& series, const ChartAxis& axis,
                      double ChartPoint::*value);
 
-/// About as wide as a reader's font makes it, a little more.
+/// An estimate of the width in a reader's font, slightly too large.
 double text_width(std::string_view text);
 /// `anchor` is start, middle or end; `kind` a class of the style sheet, or empty.
 std::string svg_text(double x, double y, std::string_view anchor, std::string_view kind,
                      std::string_view text);
 /// "c0", "given"; colours repeat after the last.
 std::string color_class(const ChartSeries& series);
-/// What a reader who rests on a point sees.
+/// The text that a reader sees when resting on a point.
 std::string svg_title(const ChartSeries& series, const std::string& place, const ChartPoint& point);
 
 }  // namespace scotty::verify

@@ -1,4 +1,4 @@
-/// Axes: from values to positions, and round numbers to write beside them.
+/// Axes: the map from values to positions, and round numbers for the ticks.
 #include <algorithm>
 #include <cmath>
 
@@ -7,7 +7,7 @@
 namespace scotty::verify {
 namespace {
 
-constexpr int kTicks = 5;  ///< about so many
+constexpr int kTicks = 5;  ///< the approximate number
 
 /// 1, 2 or 5 times a power of ten, at least `step`.
 double round_step(double step) {
@@ -27,7 +27,7 @@ std::vector<double> linear_ticks(double low, double high) {
     return ticks;
 }
 
-/// Powers of two, every second or fourth where there are many.
+/// Powers of two; every second or fourth if there are many.
 std::vector<double> binary_ticks(double low, double high) {
     const double first = std::ceil(std::log2(low) - 1e-9);
     const double last = std::floor(std::log2(high) + 1e-9);
@@ -38,7 +38,7 @@ std::vector<double> binary_ticks(double low, double high) {
     return ticks;
 }
 
-/// Powers of ten; with more between them where there are fewer than three.
+/// Powers of ten, with values between them if there are fewer than three.
 std::vector<double> decimal_ticks(double low, double high) {
     const auto between = [&](std::initializer_list<double> factors) {
         std::vector<double> ticks;
@@ -66,7 +66,7 @@ ChartScale::ChartScale(const ChartAxis& axis, std::vector<double> values, double
     const auto [least, most] = std::minmax_element(values.begin(), values.end());
     low_ = *least;
     high_ = *most;
-    if (low_ == high_) {  // one value: some room on both sides
+    if (low_ == high_) {  // one value: leave room on both sides
         const double room = scale_ == Scale::linear ? std::max(std::abs(low_), 1.0) * 0.5 : 0.0;
         low_ = scale_ == Scale::linear ? low_ - room : low_ / 2.0;
         high_ = scale_ == Scale::linear ? high_ + room : high_ * 2.0;

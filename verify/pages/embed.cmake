@@ -1,4 +1,4 @@
-# embed.cmake: the files of the pages, as they are, into one C++ source; nothing is read from disk at run time.
+# embed.cmake: copies the pages' files into one C++ source, so that nothing is read from disk at run time.
 # cmake -DOUTPUT=page_files.cpp -DFOLDER=verify/pages/web -DFILES=a.css,b.js -P embed.cmake
 string(REPLACE "," ";" names "${FILES}")
 set(source "// Made from verify/pages/web/ by embed.cmake.\n#include \"verify/pages/page.h\"\n\nnamespace scotty::verify {\n")

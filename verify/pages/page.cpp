@@ -11,7 +11,7 @@
 namespace scotty::verify {
 namespace {
 
-/// What stands between `before` and `after`, if the whole line is that.
+/// The text between `before` and `after`, if the whole line has that form.
 std::optional<std::string_view> between(std::string_view line, std::string_view before,
                                         std::string_view after) {
     const std::size_t start = line.find_first_not_of(' ');
@@ -86,7 +86,7 @@ std::string html_text(std::string_view text) {
 }
 
 std::string json_for_script(const nlohmann::json& data) {
-    // A name from a file need not be UTF-8; the page still has to be written.
+    // A name from a file need not be UTF-8, but the page has to be written all the same.
     std::string out;
     for (const char c : data.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)) {
         if (c == '<') {

@@ -14,7 +14,7 @@
 namespace scotty::verify {
 namespace {
 
-/// Little endian, whatever this machine is.
+/// Appends in little endian on every machine.
 void append(std::string& bytes, std::uint32_t value, std::size_t width) {
     for (std::size_t i = 0; i < width; ++i) {
         bytes += static_cast<char>((value >> (8 * i)) & 0xffu);

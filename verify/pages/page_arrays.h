@@ -1,4 +1,4 @@
-/// Arrays for a page: each once, compressed, as text.
+/// Arrays for a page: each stored once, compressed, as text.
 #pragma once
 
 #include <cstddef>
@@ -11,19 +11,19 @@
 
 namespace scotty::verify {
 
-/// Arrays are added to a *blob* until it is closed; equal arrays are one, in whichever blob they
-/// came first. A page that must not grow beyond a size closes blobs as long as they fit.
+/// Arrays are added to a *blob* until it is closed; equal arrays are stored once, in the blob that
+/// got them first. A page with a size limit closes blobs as long as they fit.
 class PageArrays {
  public:
-    /// The array's number. Integers are stored in as few bytes as the largest needs.
+    /// Returns the array's number. Integers are stored in as few bytes as the largest needs.
     std::uint32_t add(std::span<const std::uint32_t> values);
     std::uint32_t add(std::span<const float> values);
 
-    /// Compresses what was added since the last call. False where its text would be longer than
-    /// `room`: then those arrays are forgotten, and their numbers given out again.
+    /// Compresses the arrays added since the last call. Returns false if the text would exceed
+    /// `room`: those arrays are then forgotten, and their numbers given out again.
     bool close(std::size_t room);
 
-    /// Characters of all blobs.
+    /// The characters of all blobs.
     std::size_t size() const { return size_; }
 
     /// {"arrays": [[blob, type, first byte, count, checksum]], "blobs": [..]}: a blob is base64 of

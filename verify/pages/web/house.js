@@ -1,7 +1,7 @@
 'use strict';
-// What all pages share: making elements, commands to copy, and a state that lives in the address.
+// Shared by all pages: making elements, commands to copy, and a state that lives in the address.
 
-// text is only ever put in as text: nothing that comes from a file becomes markup.
+// Text is only inserted as text: nothing that comes from a file becomes markup.
 function element(tag, properties = {}, ...children) {
   const made = document.createElement(tag);
   for (const [name, value] of Object.entries(properties)) {
@@ -17,7 +17,7 @@ function command(text, what) {
     element('button', { type: 'button', className: 'copy', textContent: 'Copy', 'aria-label': `Copy the command to ${what}` }));
 }
 
-// Older browsers keep the clipboard from pages opened from disk: there the command is selected and copied the old way.
+// Older browsers keep the clipboard from pages opened from disk; there the command is selected and copied the old way.
 function copyCommand(button) {
   const code = button.parentElement.querySelector('code');
   const done = () => {
@@ -37,7 +37,7 @@ document.addEventListener('click', (event) => {
   if (button) copyCommand(button);
 });
 
-// The address's #a=1&b=2 as an object, and back. Looking around leaves no trail of "back" clicks, unless it is asked for.
+// Turns the address's #a=1&b=2 into an object, and back. Looking around adds no "back" steps, unless asked for.
 function stateFromAddress() {
   return Object.fromEntries(new URLSearchParams(location.hash.slice(1)));
 }

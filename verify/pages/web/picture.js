@@ -12,7 +12,7 @@ function imageCanvas(width, height, color) {
 
 const shownSide = (one, view) => (view === 'golden' ? one.golden : one.new);
 
-// Whole canvas pixels for each pixel of the image, so that edges are sharp; at least 1000 across.
+// Uses whole canvas pixels for each pixel of the image, so that edges are sharp; at least 1000 across.
 function fitPicture(canvas, side) {
   const scale = Math.max(1, Math.ceil(1000 / side.width));
   canvas.width = side.width * scale;
@@ -20,7 +20,7 @@ function fitPicture(canvas, side) {
   return scale;
 }
 
-// A frame that shows on any colour: dark outside, light inside.
+// A frame that is visible on any colour: dark outside, light inside.
 function frame(context, x, y, width, height, line) {
   context.lineWidth = line;
   context.strokeStyle = '#000';
@@ -31,8 +31,8 @@ function frame(context, x, y, width, height, line) {
 
 const faultColor = '#ff2d3d'; // one red on every picture, in light and dark
 
-// Faulty pixels of the new image are filled, those of the golden image are hollow; a ring around
-// each, because one pixel is easily overlooked.
+// Faulty pixels of the new image are filled, those of the golden image are hollow. Each gets a ring, because one pixel is
+// easily overlooked.
 function drawFaults(context, one, view, scale) {
   const sides = view === 'golden' ? [one.golden] : view === 'new' ? [one.new] : [one.new, one.golden];
   for (const side of sides) {

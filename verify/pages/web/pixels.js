@@ -1,7 +1,7 @@
 'use strict';
 // Numbers of images: no element of the page is touched here.
 
-// "NaN" and "Infinity" come as words, because JSON has no such numbers.
+// "NaN" and "Infinity" come as strings, because JSON has no such numbers.
 const number = (value) => Number(value);
 
 // little-endian float32 RGB in base64; null where the plane is empty
@@ -20,11 +20,11 @@ function decodeCase(data) {
     sameSize,
     new: { width: data.width, height: data.height, mean: decodePlane(pixels.new), variance: decodePlane(pixels.new_variance) },
     golden: { width: data.golden_width, height: data.golden_height, mean: decodePlane(pixels.golden), variance: decodePlane(pixels.golden_variance) },
-    z: sameSize ? decodePlane(pixels.z) : null, // by the gates' own rule: pages show statistics and work out none
+    z: sameSize ? decodePlane(pixels.z) : null, // by the gates' own rule: pages show statistics and compute none
   };
 }
 
-// The shortest decimal that is this float32 again.
+// The shortest decimal that reads as this float32.
 function shortest(value) {
   if (!Number.isFinite(value)) return String(value).replace('Infinity', '∞');
   for (let digits = 1; digits < 9; ++digits) {
@@ -34,7 +34,7 @@ function shortest(value) {
   return String(Number(value.toPrecision(9)));
 }
 
-// For what is computed, not stored: four digits say enough.
+// For computed values: four digits say enough.
 function short(value) {
   if (!Number.isFinite(value)) return String(value).replace('Infinity', '∞');
   if (value === 0) return '0';
@@ -50,7 +50,7 @@ function ordered(value) { // float32 as an integer that grows with it
   return bits < 0 ? -(bits & 0x7fffffff) : bits;
 }
 
-// Float32 values apart, in units in the last place; NaN where one is NaN.
+// The distance of float32 values in units in the last place; NaN if one is NaN.
 function ulpsApart(a, b) {
   return Number.isNaN(a) || Number.isNaN(b) ? NaN : Math.abs(ordered(a) - ordered(b));
 }
@@ -58,7 +58,7 @@ function ulpsApart(a, b) {
 const isFaulty = (value) => !Number.isFinite(value) || value < 0;
 const faultyPixel = (mean, i) => isFaulty(mean[3 * i]) || isFaulty(mean[3 * i + 1]) || isFaulty(mean[3 * i + 2]);
 
-// Of one pixel, the channel that stands out most; NaN stands out most of all.
+// The channel of a pixel that stands out most; NaN stands out above all.
 function largest(of) {
   let most = 0;
   for (let c = 0; c < 3; ++c) {
@@ -71,7 +71,7 @@ function largest(of) {
 const pixelUlps = (one, i) => largest((c) => ulpsApart(one.new.mean[3 * i + c], one.golden.mean[3 * i + c]));
 const pixelZ = (one, i) => largest((c) => one.z[3 * i + c]);
 
-// Linear radiance as an sRGB byte; what is no number is black, and marked by the overlay.
+// Linear radiance as an sRGB byte; NaN is black, and the overlay marks it.
 function srgbByte(linear) {
   if (!(linear > 0)) return 0;
   if (linear >= 1) return 255;

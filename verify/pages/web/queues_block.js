@@ -1,5 +1,5 @@
 'use strict';
-// One thread block: which of its rays go to which child, the scan of that, and the room that was reserved.
+// One thread block: which of its rays go to which child, their scan, and the reserved room.
 
 class BlockPane {
   constructor(at, page, selection) {
@@ -13,7 +13,7 @@ class BlockPane {
     });
   }
 
-  // The block of the selected entry, or the node's first.
+  // Finds the block of the selected entry, or the node's first.
   find() {
     const { selection } = this;
     const { run, launch, shown, page } = selection;

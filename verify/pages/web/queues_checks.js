@@ -1,5 +1,5 @@
 'use strict';
-// The launch's invariants, the bar that says what is selected, and what starts the page.
+// The launch's invariants, the bar that shows the selection, and the start of the page.
 
 class ChecksPane {
   constructor(at, page, selection) {

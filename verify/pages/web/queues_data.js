@@ -1,14 +1,14 @@
 'use strict';
 // The embedded runs: arrays by number, launches, queues, entries. No element of the page is touched here.
 
-// All at once rather than by a stream of the file: it is there already. Little endian, as every browser's machine is.
+// Inflates all at once rather than as a stream, because the data is already here. Every browser's machine is little endian.
 async function inflated(base64) {
   const letters = atob(base64);
   const packed = new Uint8Array(letters.length);
   for (let i = 0; i < letters.length; ++i) packed[i] = letters.charCodeAt(i);
   const stream = new DecompressionStream('deflate');
   const writer = stream.writable.getWriter();
-  // A broken stream is the reader's error, below; these two say it again.
+  // A broken stream is reported by the reader below; these two would report it again.
   writer.write(packed).catch(() => {});
   writer.close().catch(() => {});
   const reader = stream.readable.getReader();
@@ -59,7 +59,7 @@ class Tree {
     }
   }
   isSubtree(node) { return this.children[node] > 0 && node >= this.levelBegins[this.levels - 1]; }
-  isLeaf(node) { return this.triangles[node] > 0 || this.isSubtree(node); } // rays are not pushed on
+  isLeaf(node) { return this.triangles[node] > 0 || this.isSubtree(node); } // it pushes no rays on
   level(node) { return this.levelBegins.findIndex((_, l) => node < this.levelBegins[l + 1]); }
   below(node) { return Array.from({ length: this.children[node] }, (_, i) => this.firstChild[node] + i); }
   childrenOf(node) { return this.isSubtree(node) ? [] : this.below(node); }
@@ -90,11 +90,11 @@ class Run {
     return launch.verdict === 'missing' ? undefined : launch.arrays_b ?? launch.arrays;
   }
   get(k, name) { return this.page.pool.get(this.arrays(k)?.[name]); }
-  counts(k) { // always there: what the launch's queues hold, by node of the level
+  counts(k) { // always there: the launch's queue lengths, by node of the level
     const launch = this.page.launches[k];
     return this.page.pool.get(this.side === 'b' ? launch.counts_b : launch.counts);
   }
-  // Where each node's entries begin, what was said of each entry, and where a child's entries begin.
+  // Where each node's entries begin, each entry's outcome, and where a child's entries begin.
   index(k) {
     if (!this.indices.has(k)) this.indices.set(k, this.arrays(k)?.queue === undefined ? null : this.makeIndex(k));
     return this.indices.get(k);
@@ -131,7 +131,7 @@ class Run {
     const index = this.index(k);
     return index.queue[index.begins[node - index.first] + position];
   }
-  record(k, ray) { // origin, t_min, direction, t_max; null where the id is no ray's
+  record(k, ray) { // origin, t_min, direction, t_max; null if the id is no ray's
     const rays = this.get(k, 'rays');
     return rays && 8 * ray + 8 <= rays.length ? rays.subarray(8 * ray, 8 * ray + 8) : null;
   }
@@ -143,7 +143,7 @@ class Run {
     const threads = this.page.launches[k].threads;
     return { block: this.get(k, 'block_offsets')[node - this.index(k).first] + Math.floor(position / threads), thread: position % threads };
   }
-  // Where a ray is in the queue that the launch has written for a child.
+  // The place of a ray in the queue that the launch has written for a child.
   below(k, child, ray) {
     const { childBegins, childQueue, first } = this.index(k);
     if (!childBegins) return { position: null, times: 0 };
@@ -196,7 +196,7 @@ async function openPage(data) {
     page.provenance[batch]?.pixel.forEach((pixel, ray) => { if (pixel === y * page.width + x) rays.push(ray); });
     return rays;
   };
-  // The model's pairs of a node; null where all entries are the same.
+  // The model's pairs of a node; null if all entries are the same.
   page.pairs = (k, node) => {
     const { pairs } = page.launches[k];
     if (!pairs) return null;
@@ -214,7 +214,7 @@ const outcomes = ['missed', 'culled', 'pushed', 'lost', 'extra'];
 const leafOutcomes = ['no hit', 'beyond', 'buffered', 'passed', 'lost', 'other'];
 const changes = ['same', 'moved', 'changed', 'missing', 'extra'];
 
-// A float32 as C prints it with %a: every bit in it.
+// A float32 as C prints it with %a: exact to the bit.
 function hexFloat(value) {
   if (!Number.isFinite(value)) return String(value).replace('Infinity', '∞');
   words.setFloat32(0, value);

@@ -1,5 +1,5 @@
 'use strict';
-// A ray's history, put together from the arrays: the document that `scotty queues --ray R --json` prints.
+// A ray's history, assembled from the arrays: the document that `scotty queues --ray R --json` prints.
 
 const word = (value) => (value === null || value === undefined ? null : Number.isFinite(value) ? value : String(value));
 const rayDocument = (r) => (r ? { origin: [word(r[0]), word(r[1]), word(r[2])], direction: [word(r[4]), word(r[5]), word(r[6])],
@@ -86,7 +86,7 @@ class RayHistory {
   }
 }
 
-// What the ray in that entry did, as the model has found it.
+// What the ray in that entry did, as the model has found.
 function visitDocument(run, k, node, position) {
   const launch = run.page.launches[k];
   const { tree } = run.page;

@@ -1,5 +1,5 @@
 'use strict';
-// The image: a click chooses a pixel and its rays; pixels whose rays are in the queue stand out.
+// The image: a click chooses a pixel and its rays; pixels with rays in the queue stand out.
 
 class ImagePane {
   constructor(at, page, selection) {

@@ -1,5 +1,5 @@
 'use strict';
-// A ray's history as a story: traversal by traversal, visit by visit, both runs where there are two.
+// A ray's history as text: traversal by traversal, visit by visit, for both runs if there are two.
 
 class RayPane {
   constructor(at, page, selection) {
@@ -64,12 +64,12 @@ class RayPane {
   bounce(a, b) {
     const parts = [this.traversal(a.traversal, b?.traversal ?? null)];
     a.lights.forEach((light, i) => {
-      if (light.shadow_ray && Number(light.shadow_ray.t_max) < Number(light.shadow_ray.t_min)) return; // there was nothing to ask
+      if (light.shadow_ray && Number(light.shadow_ray.t_max) < Number(light.shadow_ray.t_min)) return; // no light was asked for
       parts.push(this.traversal(light.traversal, b?.lights[i]?.traversal ?? null, light));
     });
     return parts;
   }
-  // A ray that is dead and went nowhere has no story.
+  // A dead ray that went nowhere has no history.
   happened(t) { return t.ray === null || Number(t.ray.t_max) >= Number(t.ray.t_min) || t.visits.length > 1 || t.stray.length > 0; }
 
   traversal(a, b, light = null) {
@@ -101,7 +101,7 @@ class RayPane {
     if (visit.leaf) return visit.leaf.outcome + visit.leaf.hits.map((hit) => `${hit.primitive} ${hit.won}`).sort().join();
     return visit.children.map((child) => child.outcome + child.times).join();
   }
-  // The n-th visit of a node beside the n-th in B, in order of nodes.
+  // Pairs the n-th visit of a node with the n-th in B, in order of nodes.
   paired(a, b) {
     if (!b) return a.visits.map((visit) => [visit, null]);
     const left = [...b.visits];

@@ -1,6 +1,6 @@
 'use strict';
-// The page's test of itself: it is used by keys, pointer and clicks, and what is then shown is held against the raw arrays
-// and against histories that the model has told (element "told", which a test puts in).
+// The page's test of itself: it drives the page by keys, pointer and clicks, and compares the result with the raw arrays and
+// with histories from the model (element "told", which a test puts in).
 
 const shownText = (id) => document.getElementById(id).textContent;
 const inkBytes = (context, x, y) => { const s = devicePixelRatio || 1; return [...context.getImageData(Math.round(x * s), Math.round(y * s), 1, 1).data].slice(0, 3).join(); };
@@ -11,7 +11,7 @@ function clickAt(canvas, x, y, type = 'click') {
   canvas.dispatchEvent(new PointerEvent(type, { bubbles: true, clientX: box.left + x, clientY: box.top + y, pointerId: 1 }));
 }
 
-// Where two documents part, as a path.
+// The path at which two documents part.
 function firstDifference(a, b, path = '') {
   if (a === null || b === null || typeof a !== 'object' || typeof b !== 'object') return Object.is(a, b) ? null : `${path}: ${a}, ${b}`;
   for (const key of new Set([...Object.keys(a), ...Object.keys(b)])) {
@@ -52,7 +52,7 @@ function testFirst(test, { page, selection }) {
   test.equal('its launch is named', shownText('where').includes(page.launches[page.first.launch].name), true);
 }
 
-// Launches that one can look into, not too many.
+// Launches that can be looked into, not too many.
 const looked = (page) => page.launches.flatMap((l, k) => (isLevelKernel(l) && page.embedded(k) && l.verdict !== 'missing' ? [k] : []))
   .filter((k, i, all) => k === page.first.launch || i % Math.ceil(all.length / 2) === 0);
 

@@ -4,7 +4,7 @@
 const edges = [[0, 1], [2, 3], [4, 5], [6, 7], [0, 2], [1, 3], [4, 6], [5, 7], [0, 4], [1, 5], [2, 6], [3, 7]];
 const corner = (box, i) => [box[i & 1 ? 3 : 0], box[i & 2 ? 4 : 1], box[i & 4 ? 5 : 2]];
 
-// Where a line is inside a box, as [from, to] along it, or null. For drawing only: what a ray enters is the model's to say.
+// The part of a line inside a box, as [from, to], or null. It is for drawing only: the model says what a ray enters.
 function inside(box, origin, direction, from, to) {
   for (let axis = 0; axis < 3; ++axis) {
     const [a, b] = [0, 3].map((side) => (box[axis + side] - origin[axis]) / direction[axis]);

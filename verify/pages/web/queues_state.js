@@ -19,7 +19,7 @@ class PageSelection {
   // The node whose queue this launch reads; null between traversals.
   get shown() { return this.hasQueues && this.node !== null && this.page.tree.level(this.node) === this.at.level ? this.node : null; }
 
-  // change: any of the members. What follows from them is made to fit: a launch is of its node's level.
+  // `change` has any of the members. The others are made to fit: a launch has its node's level.
   select(change, trail = true) {
     const before = this.address();
     Object.assign(this, change);
@@ -61,7 +61,7 @@ class PageSelection {
   }
   write(trail) { stateToAddress(this.words(), trail); }
 
-  // What the address says, where that is something that there is.
+  // Reads the address, as far as it names what exists.
   read() {
     const found = stateFromAddress();
     const { page } = this;
@@ -74,7 +74,7 @@ class PageSelection {
     this.node = first ? page.first.node : node !== null && node < page.tree.nodes ? node : null;
     this.ray = first ? page.first.ray : ray !== null && ray < page.rays[this.at.batch] ? ray : null;
     this.pixel = first ? page.first.pixel ?? null : x !== null && y !== null && x < page.width && y < page.height ? [x, y] : null;
-    const suspect = first && page.divergences.length > 0; // what is wrong is in B
+    const suspect = first && page.divergences.length > 0; // the fault is in B
     this.side = page.runs.b && (found.side === 'b' || suspect) ? 'b' : 'a';
     this.float = found.float === 'hex' ? 'hex' : 'decimal';
     this.heat = found.heat === 'differences' ? 'differences' : 'entries';
@@ -114,9 +114,9 @@ class PageSelection {
     this.select({ ray: this.run.ray(this.launch, this.shown, Math.min(length - 1, Math.max(0, here + by))) });
   }
 
-  // Divergences are sorted by launch; n goes on from what is selected, and round at the end.
+  // Divergences are sorted by launch; n goes on from the selection, and wraps around.
   get divergence() {
-    const { told } = this; // the one stepped to: another may be of the same launch and ray
+    const { told } = this; // the divergence stepped to: another may have the same launch and ray
     if (told !== undefined && told.address === this.address()) return told.index;
     const elsewhere = (node) => node === null || this.page.tree.level(node) !== this.at.level; // in a queue that is written, not read
     return this.page.divergences.findIndex((d) => d.launch === this.launch && (elsewhere(d.node) || d.node === this.node) && (d.ray === null || d.ray === this.ray));
@@ -136,7 +136,7 @@ class PageSelection {
 
   key(event) {
     if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.('dialog')) return;
-    if (event.key.startsWith('Arrow') && event.target.closest?.('input')) return; // a choice is made by arrows, too
+    if (event.key.startsWith('Arrow') && event.target.closest?.('input')) return; // arrows also move in a choice
     const acts = { n: () => this.diverge(1), N: () => this.diverge(-1), ArrowLeft: () => this.step(-1), ArrowRight: () => this.step(1),
       ArrowUp: () => this.up(), ArrowDown: () => this.down(), '[': () => this.sideways(-1), ']': () => this.sideways(1),
       j: () => this.entry(1), k: () => this.entry(-1), b: () => this.page.runs.b && this.select({ side: this.side === 'a' ? 'b' : 'a' }, false),

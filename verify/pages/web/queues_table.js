@@ -1,5 +1,5 @@
 'use strict';
-// The entries of a queue, both runs aligned: only the rows in sight are made.
+// The entries of a queue, both runs aligned: only the visible rows are made.
 
 const rowHeight = 26; // as in queues.css
 const fields = ['origin x', 'origin y', 'origin z', 't min', 'direction x', 'direction y', 'direction z', 't max'];
@@ -17,7 +17,7 @@ class QueuePane {
     });
   }
 
-  // A row is { a, b, change, what }: positions, null where that run has none.
+  // A row is { a, b, change, what }: positions, null if that run has none.
   makeRows() {
     const { page, selection } = this;
     const node = selection.shown;

@@ -1,7 +1,7 @@
 'use strict';
 // Launches in order, coloured by verdict, and the lengths of their queues: traversals beside each other, levels below.
 
-// The colours of the style sheet, for canvases; they change with light and dark.
+// The style sheet's colours, for canvases; they change with light and dark.
 function inks() {
   const style = getComputedStyle(document.documentElement);
   return Object.fromEntries(['paper', 'panel', 'line', 'ink', 'quiet', 'accent', 'fault', 'mono'].map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
@@ -101,7 +101,7 @@ class Timeline {
   }
 }
 
-// Columns are traversals, rows are levels; a cell goes through the nodes of its level from left to right.
+// Columns are traversals, rows are levels; a cell shows the nodes of its level from left to right.
 class Heat {
   constructor(at, page, selection) {
     Object.assign(this, { canvas: at.heat, note: at['heat-note'], kind: at['heat-kind'], page, selection, row: 19, top: 20, left: 22 });

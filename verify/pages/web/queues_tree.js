@@ -1,5 +1,5 @@
 'use strict';
-// The selected node with all above it, its neighbours, and its children, each with its queue as a bar.
+// The selected node with its ancestors, neighbours and children, each with its queue as a bar.
 
 class TreePane {
   constructor(at, page, selection) {
@@ -12,7 +12,7 @@ class TreePane {
 
   get launches() { return this.page.traversal(this.selection.launch); }
   launchOf(level) { return this.launches.find((k) => this.page.launches[k].level === level); }
-  // null where the level was not captured
+  // Null if the level was not captured.
   count(node, run) {
     const { tree } = this.page;
     const level = tree.level(node);

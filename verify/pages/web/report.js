@@ -1,5 +1,5 @@
 'use strict';
-// The image viewer: what is shown, what the reader does, and the address that remembers it.
+// The image viewer: the picture shown, the reader's input, and the address that remembers both.
 
 const captions = {
   new: 'New image, as the eye sees it (sRGB).',
@@ -21,7 +21,7 @@ class Viewer {
     this.root = root;
     this.cases = cases;
     this.state = { index: 0, view: 'new', pixel: [0, 0], exposure: 0, split: 50, overlay: true };
-    this.hovered = null; // the pixel under the cursor, which goes before the kept one
+    this.hovered = null; // the pixel under the cursor, which takes precedence over the kept one
     this.peeking = false;
     this.region = null;
     this.fillCases();
@@ -45,7 +45,7 @@ class Viewer {
     });
   }
 
-  // Another case: its worst pixel is what is worth looking at first.
+  // Chooses another case, and its worst pixel first.
   choose(index) {
     this.state.index = index;
     const worst = this.one.worst[0];
@@ -59,13 +59,13 @@ class Viewer {
     this.draw();
   }
 
-  // A part of the image, and more than the pixel that is marked anyway.
+  // Whether this is a part of the image, and larger than the pixel that is marked anyway.
   isRegion({ x, y, width, height }) {
     const inside = x + width <= this.one.width && y + height <= this.one.height;
     return inside && width * height > 1 && width * height < this.one.width * this.one.height;
   }
 
-  // What a gate has found, as a button where there is a place to show.
+  // A gate's finding, as a button if there is a place to show.
   gateName(gate) {
     if (!gate.ran || !(gate.width > 0) || gate.width === this.one.width) return gate.gate;
     const button = element('button', { type: 'button', textContent: gate.gate, title: `Show ${gate.x}, ${gate.y}` });
@@ -207,7 +207,7 @@ class Viewer {
   flip() { this.set({ view: this.state.view === 'new' ? 'golden' : 'new' }); }
   expose(exposure) { this.set({ exposure: Math.min(8, Math.max(-8, exposure)) }); }
 
-  // What differs from the beginning is kept in the address, and found there again.
+  // The address keeps everything that differs from the beginning.
   remember() {
     const { view, pixel, exposure, split, overlay } = this.state;
     stateToAddress({ case: this.one.name, view, pixel: pixel.join(','), exposure: exposure || undefined,

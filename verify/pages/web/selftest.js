@@ -1,8 +1,8 @@
 'use strict';
-// The page's test of itself: open it with #selftest at the end of the address. It uses the viewer as a reader does,
-// by keys, pointer and clicks, and holds what is then on the page against numbers it works out for itself.
+// The page's test of itself: open it with #selftest at the end of the address. It drives the viewer as a reader does, by
+// keys, pointer and clicks, and compares the page with numbers that it computes itself.
 
-// Read anew from the page's text, not by pixels.js: an integer per float, for the checksums and the values.
+// Reads the page's text anew, not by pixels.js: an integer per float, for the checksums and the values.
 function rawWords(base64) {
   const bytes = atob(base64);
   const found = [];
@@ -39,7 +39,7 @@ function testData(test, one, index) {
   test.equal(`${one.name}: its button says its verdict`, thumbnail.lastChild.textContent, one.passed ? 'passed' : 'failed');
 }
 
-// The worst pixels come from C++ as decimal numbers: they must be what the planes hold and the page shows.
+// The worst pixels come from C++ as decimal numbers: they must equal the planes' values and the shown ones.
 function testWorst(test, one, raw) {
   const floatOf = (plane, pixel, c) => rawFloat(raw[plane][3 * (pixel.y * one.width + pixel.x) + c]);
   const asShown = (text) => Math.fround(Number(text.replace('∞', 'Infinity')));

@@ -1,5 +1,5 @@
 'use strict';
-// What the pages' tests of themselves share. A page is tested when it is opened with #selftest at the end of the address.
+// Shared by the pages' tests of themselves. A page is tested when opened with #selftest at the end of the address.
 
 class SelfTest {
   constructor() {
