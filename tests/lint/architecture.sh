@@ -1,5 +1,5 @@
-# architecture.sh: every file that docs/architecture.md names is there, so that its lists of what a change touches
-# cannot rot.
+# architecture.sh: every file that docs/architecture.md names exists, so that its lists of what a change touches stay
+# true.
 source "$(dirname "$0")/common.sh"
 
 page=docs/architecture.md

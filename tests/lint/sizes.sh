@@ -1,4 +1,4 @@
-# sizes.sh: no tracked file above 512 KiB, no source file above 700 lines (is it still one idea?).
+# sizes.sh: no tracked file exceeds 512 KiB, no source file 700 lines (is it still one idea?).
 source "$(dirname "$0")/common.sh"
 need_checkout
 
