@@ -1,4 +1,4 @@
-/// libFuzzer's entry points. Which reader: SCOTTY_READER, by its name in readers.h.
+/// libFuzzer's entry points. SCOTTY_READER chooses the reader, by its name in readers.h.
 #include <unistd.h>
 
 #include <cstdint>
@@ -40,7 +40,7 @@ extern "C" int LLVMFuzzerInitialize(int*, char***) {
         std::fprintf(stderr, "\n");
         std::exit(2);
     }
-    // In memory where there is such a place: every input is a file.
+    // Uses memory if there is such a place, because every input is a file.
     const fs::path place = fs::exists("/dev/shm") ? "/dev/shm" : fs::temp_directory_path();
     folder = place / ("scotty_fuzz_" + std::to_string(getpid()));
     fs::create_directories(folder);

@@ -8,7 +8,7 @@ cd "$(dirname "$0")/../.."
 corpus=tests/fuzz/corpus
 build=build/fuzz
 # An input may not take 10 s or a gigabyte at once.
-# Leaks are not looked for, because some libraries keep what they allocate once.
+# Leaks are not checked, because some libraries keep what they allocate once.
 limits=(-detect_leaks=0 -timeout=10 -malloc_limit_mb=1000 -rss_limit_mb=3000)
 
 have_fuzzer() { echo 'extern "C" int LLVMFuzzerTestOneInput(const unsigned char*, unsigned long) { return 0; }' |

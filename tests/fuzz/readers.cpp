@@ -31,7 +31,7 @@ void read_scene(const fs::path& folder, std::string_view bytes) {
     scenes::load_scene(write(folder, kNames[kind], bytes).string());
 }
 
-/// The index is the bytes; a buffer is asked for where it is said to be.
+/// The bytes are the index; buffers are looked for where it says.
 void read_capture(const fs::path& folder, std::string_view bytes) {
     write(folder, "index.json", bytes);
     const auto capture = verify::Capture::open(folder);

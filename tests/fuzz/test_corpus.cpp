@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 const fs::path kCorpus = fs::path(SCOTTY_SOURCE_DIR) / "tests/fuzz/corpus";
 
-/// Changes as fuzzers make them: bytes, numbers, blocks taken out, doubled or cut off.
+/// Changes bytes as fuzzers do: bytes and numbers replaced, blocks removed, doubled or cut off.
 std::string changed(std::string bytes, std::mt19937& random) {
     for (std::uint32_t left = 1 + random() % 4; left > 0 && !bytes.empty(); --left) {
         const std::size_t at = random() % bytes.size();
@@ -43,7 +43,7 @@ std::string changed(std::string bytes, std::mt19937& random) {
     return bytes;
 }
 
-/// How many of the corpus were accepted.
+/// Returns how many files of the corpus were accepted.
 int hold(const Reader& reader, std::uint32_t changes) {
     const tests::TemporaryFolder folder;
     std::mt19937 random(1);
@@ -68,7 +68,7 @@ TEST_CASE("fuzz: what the fuzzers start from, and changes of it, is read or refu
     for (const Reader& reader : tests::file_readers()) {
         DYNAMIC_SECTION(reader.name) {
             const int accepted = hold(reader, 200);
-            // Of a capture there is the index alone; its buffers are missing.
+            // A capture's corpus has the index alone; its buffers are missing.
             CHECK((accepted > 0) == (std::string(reader.name) != "capture"));
         }
     }
