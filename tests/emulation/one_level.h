@@ -1,4 +1,4 @@
-/// One level of a BVH and its queues, made by hand, for tests of the level kernel alone.
+/// One handmade level of a BVH and its queues, for tests of the level kernel alone.
 #pragma once
 
 #include <algorithm>
@@ -21,8 +21,8 @@ using reference::test::Random;
 
 constexpr std::uint32_t kPoison = 0xdeadbeefu;
 
-/// Inner nodes 1..n under a root that is not there, children after them in breadth-first order.
-/// `pushed[child]` is what a straight loop with the same numerics puts into each child's queue.
+/// Inner nodes 1..n under a root that does not exist, their children after them breadth-first.
+/// `pushed[child]`: what a straight loop with the same numerics puts into each child's queue.
 template <int Width>
 struct OneLevel {
     OneLevel(const std::vector<std::uint32_t>& queue_lengths, std::uint32_t seed)
@@ -79,7 +79,7 @@ struct OneLevel {
         return node;
     }
 
-    /// The straight loop: the ids that belong into every child's queue, in input order.
+    /// The straight loop: the ids that belong in every child's queue, in input order.
     std::vector<std::vector<std::uint32_t>> pushed() const {
         std::vector<std::vector<std::uint32_t>> children(parents.size());
         for (std::size_t n = 0; n < inner.size(); ++n) {
@@ -109,7 +109,7 @@ struct OneLevel {
 
     std::uint32_t first_child() const { return 1 + static_cast<std::uint32_t>(inner.size()); }
 
-    /// Block and child offsets as scan_counts gives them; poisoned output buffers.
+    /// Sets block and child offsets as scan_counts does; output buffers are poisoned.
     void scan(std::uint32_t threads) {
         block_offsets.resize(inner.size() + 1);
         child_offsets.resize(parents.size() + 1);
@@ -141,7 +141,7 @@ struct OneLevel {
         return {policy, false, minimum.data(), minimum.data()};
     }
 
-    /// Runs the level kernel over all blocks; `grid_side` as the kernel takes it.
+    /// Runs the level kernel over all blocks, with `grid_side` as the kernel takes it.
     void run(Device& device, std::uint32_t threads, reference::EarlyOut policy,
              std::uint32_t grid_side = 0) {
         const std::uint32_t blocks = grid_side == 0 ? block_offsets.back() : grid_side * grid_side;
@@ -151,7 +151,7 @@ struct OneLevel {
         });
     }
 
-    /// What lies in a child's queue after a launch.
+    /// The content of a child's queue after a launch.
     std::vector<std::uint32_t> queue_of(std::size_t child) const {
         const auto begin = child_queue.begin() + child_offsets[child];
         return {begin, begin + child_counts[child]};

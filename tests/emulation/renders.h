@@ -16,7 +16,7 @@
 
 namespace scotty::emulation::test {
 
-/// A built-in scene, loaded once a program.
+/// A built-in scene, loaded once per program.
 inline const reference::Scene& scene_named(const std::string& name) {
     static std::map<std::string, reference::Scene> scenes;
     const auto place = scenes.find(name);
@@ -24,7 +24,7 @@ inline const reference::Scene& scene_named(const std::string& name) {
     return scenes.emplace(name, scenes::load_scene(name)).first->second;
 }
 
-/// Its BVH, built once a program and width.
+/// Its BVH, built once per program and width.
 inline const reference::WideBvh& bvh_of(const std::string& name, int width) {
     static std::map<std::pair<std::string, int>, reference::WideBvh> trees;
     const auto place = trees.find({name, width});
@@ -44,7 +44,7 @@ inline reference::PipelineParameters tiny(std::uint32_t width, std::uint32_t hei
     return p;
 }
 
-/// A built-in scene in few pixels.
+/// Renders a built-in scene in few pixels.
 inline reference::Image render(const std::string& scene, const reference::PipelineParameters& p,
                                const DeviceOptions& device = {}) {
     reference::WideBvh bvh = bvh_of(scene, p.width);

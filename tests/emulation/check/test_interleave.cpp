@@ -1,4 +1,4 @@
-/// Blocks switched in their middle: what only some orders show, found, shrunk, saved, replayed.
+/// Blocks switched in their middle: faults of only some orders are found, shrunk, saved, replayed.
 #include <filesystem>
 #include <fstream>
 
@@ -9,7 +9,7 @@
 namespace scotty::gpu::simt {
 namespace {
 
-/// A lost update: read, and then write what was read and one.
+/// A lost update: reads, and then writes the value plus one.
 SCOTTY_KERNEL(add_slowly)(std::uint32_t* counter, bool atomically) {
     if (thread_index() == 0) {
         if (atomically) {
@@ -22,7 +22,7 @@ SCOTTY_KERNEL(add_slowly)(std::uint32_t* counter, bool atomically) {
     SCOTTY_RETURN;
 }
 
-/// Each block its own words, and one word of all.
+/// Each block has words of its own, and all share one.
 SCOTTY_KERNEL(mostly_own)(std::uint32_t* words, int rounds) {
     std::uint32_t* own = words + 64 * (1 + block_index());
     for (int round = 0; round < rounds; ++round) own[thread_index()] += 1;
@@ -31,7 +31,7 @@ SCOTTY_KERNEL(mostly_own)(std::uint32_t* words, int rounds) {
     SCOTTY_RETURN;
 }
 
-/// Wrong only where block 0 is stopped twice: once between its two looks, and block 1 in its
+/// It goes wrong only if two blocks are stopped: block 0 between its two looks, and block 1 in its
 /// middle.
 SCOTTY_KERNEL(two_flags)(std::uint32_t* words) {
     if (thread_index() == 0) {
@@ -48,7 +48,7 @@ SCOTTY_KERNEL(two_flags)(std::uint32_t* words) {
     SCOTTY_RETURN;
 }
 
-/// Block 0 waits for what the last block publishes.
+/// Block 0 waits for the value that the last block publishes.
 SCOTTY_KERNEL(wait_for_last)(std::uint64_t* words, bool published) {
     if (thread_index() == 0) {
         if (block_index() + 1 == grid_size()) {
@@ -74,7 +74,7 @@ using Catch::Matchers::Contains;
 
 constexpr std::size_t kWords = 1024;
 
-/// Zeros before each launch; all words are the outcome.
+/// Zeros before each launch; the outcome is all words.
 struct Explored {
     Explored() : executor(SimtOptions{}), here((executor.check_memory(), executor)) {
         cudaMalloc(reinterpret_cast<void**>(&memory), 4 * kWords);
@@ -104,7 +104,7 @@ TEST_CASE("interleaving: a lost update is found, shrunk to one switch, saved, an
           "[simt][interleave]") {
     Explored device;
     const auto run = device.run("add_slowly", 3, add_slowly, device.memory, false);
-    // One block after the other, whichever is first, loses nothing.
+    // One block after the other loses nothing, whichever is first.
     CHECK(replay(device.checker(), run, {"add_slowly", 3, 32, {}})[0] == 3);
 
     const Exploration found = explore(device.checker(), run);
@@ -134,7 +134,7 @@ TEST_CASE("interleaving: an atomic add loses nothing in any order of two, three 
         CHECK_FALSE(all.failing.has_value());
         CHECK(all.complete);
         CHECK(all.words == 1);
-        CHECK(all.schedules == orders);  // each order of the dependent accesses, once
+        CHECK(all.schedules == orders);  // each order of the dependent accesses runs once
     }
 }
 

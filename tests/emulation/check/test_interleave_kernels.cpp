@@ -1,4 +1,4 @@
-/// Every kernel of gpu/ in few small blocks, in every order in which these can touch memory.
+/// Runs every kernel of gpu/ in few small blocks, in every order in which these can touch memory.
 #include <map>
 
 #include "emulation/simt/cuda/cuda_runtime.h"
@@ -41,7 +41,7 @@ PipelineParameters few_rays(std::uint32_t width, std::uint32_t height) {
     return p;
 }
 
-/// Of each stage kind the stage that took most schedules, all of them run.
+/// For each stage kind, the stage that took most schedules, all of them run.
 struct Exhausted {
     std::string stage;
     std::uint64_t schedules = 0;
@@ -49,7 +49,7 @@ struct Exhausted {
 };
 using Tally = std::map<std::string, Exhausted>;
 
-/// Triangles behind each other that fill the picture, a leaf each: every ray is in every leaf.
+/// Triangles behind each other that fill the picture, one per leaf: every ray is in every leaf.
 verify::PipelineInput stack_input(const PipelineParameters& p, int triangles) {
     verify::PipelineInput input;
     input.scene.name = "stack";
@@ -64,7 +64,7 @@ verify::PipelineInput stack_input(const PipelineParameters& p, int triangles) {
     return input;
 }
 
-/// All stages of a tiny run that have 2 to 4 blocks.
+/// Explores all stages of a tiny run that have 2 to 4 blocks.
 void explore_all(const verify::PipelineInput& input, const ExploreOptions& options, Tally& tally,
                  const std::string& pattern, const std::string& kind = "") {
     const TemporaryFolder folder;
@@ -95,9 +95,9 @@ void explore_all(const verify::PipelineInput& input, const ExploreOptions& optio
 TEST_CASE("interleaving: the kernels of gpu/ give one outcome in every order of few small blocks",
           "[simt][interleave][kernels]") {
     Tally tally;
-    // Two blocks at the root, and of its children.
+    // The root and its children have two blocks.
     explore_all(spheres_input(few_rays(8, 8)), {{}, 200}, tally, "bounce0/level*");
-    // Leaves: hits of one ray gathered, and its minimum lowered, by several blocks.
+    // In leaves, several blocks gather hits of one ray and lower its minimum.
     PipelineParameters leaves = few_rays(1, 1);
     leaves.width = 4;
     leaves.max_leaf_size = 1;
@@ -144,7 +144,7 @@ namespace {
 
 using scotty::simt::test::Executor;
 
-/// scan_counts over more nodes than one tile holds: tiles wait for each other.
+/// scan_counts over more nodes than one tile holds, so that tiles wait for each other.
 TEST_CASE("interleaving: tiles of a scan that wait for each other, in every order",
           "[simt][interleave][kernels]") {
     constexpr std::uint32_t kNodes = kScanThreads + 300;

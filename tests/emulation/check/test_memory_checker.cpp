@@ -1,4 +1,4 @@
-/// What the checker of memory accesses finds, and what it has no reason to find.
+/// What the checker of memory accesses finds, and what it must not report.
 #include <catch2/catch.hpp>
 
 #include "emulation/check/deliberate.h"
@@ -38,7 +38,7 @@ SCOTTY_KERNEL(count_threads)(std::uint32_t* counter, bool atomic) {
     SCOTTY_RETURN;
 }
 
-/// The early-out's: some lower it, others look at it meanwhile.
+/// The early-out's pattern: some threads lower the minimum while others read it.
 SCOTTY_KERNEL(lower_and_look)(float* minimum, float* out, bool relaxed) {
     const std::uint32_t thread = block_index() * block_size() + thread_index();
     if (thread % 2 == 0) {
@@ -74,14 +74,14 @@ SCOTTY_KERNEL(write_behind_shared)(std::uint32_t index) {
     if (thread_index() == 5) (&shared.at[0])[index] = 1;
     SCOTTY_RETURN;
 }
-/// Blocks use the same piece of memory one after the other: that is not sharing.
+/// Blocks use the same piece of memory one after the other, which is not sharing.
 SCOTTY_KERNEL(own_shared)(std::uint32_t* out) {
     SCOTTY_SHARED(Words, shared);
     shared.at[thread_index()] = block_index();
     SCOTTY_SYNC();
     if (thread_index() == 0) out[block_index()] = shared.at[block_size() - 1];
 }
-/// Lanes of a warp run together; without a barrier that orders nothing.
+/// Lanes of a warp run together, but without a barrier that orders nothing.
 SCOTTY_KERNEL(ballot_is_no_barrier)(std::uint32_t* out) {
     SCOTTY_SHARED(Words, shared);
     shared.at[thread_index()] = 1;

@@ -1,6 +1,6 @@
-/// The checker's shadow memory against a list of all accesses: random ones, of some blocks whose
-/// threads pass barriers, until the first that nothing orders. The checker says so at that access,
-/// and nothing before it.
+/// Compares the checker's shadow memory with a list of all accesses: random accesses of some blocks
+/// whose threads pass barriers, until the first that nothing orders. The checker must report that
+/// access, and nothing before it.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <memory>
@@ -67,7 +67,7 @@ struct Run {
     bool raced = false;
 };
 
-/// One launch. `kinds`: of accesses; few, so that long runs without a race are seen too.
+/// One launch. `kinds` of accesses are few, so that long runs without a race occur too.
 Run run_at_random(MemoryChecker& checker, std::uint32_t* words, std::mt19937& random,
                   const std::vector<Access>& kinds, bool shared) {
     const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
@@ -82,7 +82,7 @@ Run run_at_random(MemoryChecker& checker, std::uint32_t* words, std::mt19937& ra
     if (shared) {
         for (std::uint32_t i = 0; i < block_count; ++i) {
             memory[i] = blocks[i].shared->object(&memory, "words", 4 * kWords, 4);
-            // Written, as device memory is, before the first phase that is of interest.
+            // Device memory is written before the first phase that matters.
             for (std::uint32_t word = 0; word < kWords; ++word) {
                 tell(checker, Access::write, static_cast<std::uint32_t*>(memory[i]) + word, 4,
                      blocks[i].context);
@@ -139,7 +139,7 @@ TEST_CASE("memory checker: says at the first access that races that it does, and
             late += seen.raced && seen.accesses > 10 ? 1 : 0;
         }
         CAPTURE(shared);
-        // The runs were of use.
+        // The runs were not idle.
         CHECK(raced > 1000);
         CHECK(sound > 300);
         CHECK(late > 100);
@@ -246,7 +246,7 @@ TEST_CASE("memory checker: more blocks than it can tell apart are refused", "[si
         CHECK_THROWS_WITH(checker.begin_launch("kernel", 400'000'000u),
                           Contains("--check: more than two billion blocks") && Contains("--size"));
     }
-    MemoryChecker next;  // with numbers of its own again
+    MemoryChecker next;  // it numbers from the start again
     CHECK(next.begin_launch("kernel", 4'000'000'000u) == 1);
 }
 

@@ -1,4 +1,4 @@
-/// The checker on the volume tier: faulty kernels in phases, each seen to be named.
+/// The checker on the emulator: every faulty kernel in phases is found and named.
 #include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
@@ -24,7 +24,7 @@ using scotty::emulation::simt::LaunchError;
 constexpr int kSharedWrite = __LINE__ + 6;
 constexpr int kSharedRead = __LINE__ + 7;
 
-/// A thread reads what its neighbour has written: in one phase, or in the next.
+/// A thread reads its neighbour's value, in one phase or in the next.
 void pass_on(const Block& block, std::uint32_t* out, bool in_two_phases) {
     Shared<std::uint32_t> values("values");
     const auto put = [&](std::uint32_t thread) { values[thread] = thread; };
@@ -56,7 +56,7 @@ void follow(const Block& block, const std::uint32_t* index, std::uint32_t* to) {
     });
 }
 
-/// A running total over the threads: right only where they take turns.
+/// A running total over the threads is right only if they take turns.
 void rank(const Block& block, std::uint32_t* out, bool in_order) {
     Shared<std::uint32_t, 1> total("total");
     block.phase_thread_zero([&] { total[0] = 0; });
@@ -148,7 +148,7 @@ TEST_CASE("volume checker: a plain add on a counter races between blocks, and is
         2, 32, [&](const Block& block) { count_plainly(block, memory.words.data() + 3); });
     Watch::name_launch(scotty::reference::StageKind::filter, {}, 0);
     CAPTURE(what);
-    CHECK(memory.words[3] == 2);  // nothing went wrong, and still
+    CHECK(memory.words[3] == 2);  // nothing went wrong, and it is still a finding
     CHECK_THAT(what, Contains("kernel intersect of launch 12 intersect, block 1 (32 threads)"));
     CHECK_THAT(what, Contains("data race on the test's words, byte 12 of 4096: thread 0 of block 0 "
                               "writes it at " +
@@ -195,7 +195,7 @@ TEST_CASE("volume checker: a phase on registers touches no memory", "[simt][chec
                            31, [&](OwnThread thread) { own[thread + 1] = thread; });
                    }),
                    Contains("some thread of block 0 touches a register of thread "));
-        // Each has its own, and memory is watched again behind it.
+        // Each thread has its own register, and memory is watched again afterwards.
         CHECK(what_of([&](const Block& block) {
                   PerThread<std::uint32_t> own;
                   block.phase_on_registers(32, [&](OwnThread thread) { own[thread] = 7 * thread; });
@@ -256,7 +256,7 @@ TEST_CASE("volume checker: memory that the process does not have is named with t
         const std::string what =
             memory.error_of(3, 64, [&](const Block& b) { follow(b, nullptr, nowhere); });
         CHECK_THAT(what, Contains(", block 1 (64 threads): " + where));
-        // The device is as good as new.
+        // The device is still usable.
         memory.run(3, 64, [&](const Block& b) { follow(b, nullptr, memory.words.data()); });
         CHECK(memory.words[0] == 1);
     }
@@ -308,7 +308,7 @@ TEST_CASE("volume checker: relaxed reads that meet atomics are no race, and are 
         });
     });
     CHECK(met(__LINE__ - 3) >= 4 * 16 - 1);
-    CHECK(met(__LINE__ - 6) == 0);  // the atomics are not what is counted
+    CHECK(met(__LINE__ - 6) == 0);  // the atomics are not counted
 }
 
 TEST_CASE("volume checker: the pipeline itself gives it nothing to say",

@@ -1,4 +1,4 @@
-/// Renders against closed forms: the ways in which light has been lost or counted twice before.
+/// Compares renders with closed forms: these cases have lost light or counted it twice before.
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
@@ -23,7 +23,7 @@ Camera narrow(const Vec3& from, const Vec3& target) {
     return look_at(from, target, up, 0.0005f);
 }
 
-/// A floor of 20 x 20 metres in y = 0, front up; a camera that looks at its middle from aside.
+/// A floor of 20 x 20 metres in y = 0, front up; a camera looks at its middle from the side.
 Scene floor_of(const Material& material) {
     Scene scene;
     add_quad(scene, Vec3(-10, 0, 10), Vec3(20, 0, 0), Vec3(0, 0, -20),
@@ -56,7 +56,7 @@ float pixel_of(const Scene& scene, const PipelineParameters& p) {
     return render(scene, p).pixels[0].x;
 }
 
-/// The room scaled as a whole, light and camera included: the picture must stay as it is.
+/// Scales the room as a whole, light and camera included: the picture must stay the same.
 Scene scaled(Scene scene, float scale) {
     for (Vec3& v : scene.vertices) v *= scale;
     for (Light& light : scene.lights) {
@@ -85,7 +85,7 @@ TEST_CASE("radiance: a path that misses keeps the light that it has gathered",
     Scene scene = floor_of(diffuse(0.5f));
     scene.lights.push_back(directional_light(Vec3(1, -1, 0), Vec3(2, 2, 2)));
     scene = finished(scene);
-    // Whatever leaves a flat floor misses: more bounces add nothing and take nothing.
+    // All light that leaves a flat floor misses: more bounces add nothing and take nothing.
     const float expected = pixel_of(scene, one_pixel(16, 0, 2));
     REQUIRE(expected > 0.0f);
     for (const std::uint32_t bounces : {1u, 3u, 8u}) {
@@ -126,7 +126,7 @@ TEST_CASE("radiance: emission is counted once: one bounce of a square lamp in cl
 
 TEST_CASE("radiance: with and without light samples a room has the same mean",
           "[emulation][light]") {
-    // Light samples at the last vertex see one scattering more than emission that is met there.
+    // Light samples at the last vertex see one scattering more than emission on a path does.
     PipelineParameters sampled = tiny(8, 8);
     sampled.spp = 256;
     sampled.bounces = 1;
@@ -172,7 +172,7 @@ TEST_CASE("materials: a mirror shows the lamp in its own tint", "[emulation][lig
     mirror.kind = MaterialKind::mirror;
     mirror.reflectance = Vec3(0.5f, 0.25f, 0.125f);
     Scene scene = floor_of(mirror);
-    // Under the angle of incidence the lamp stands exactly opposite of the camera.
+    // By the angle of incidence the lamp is exactly opposite the camera.
     add_lamp(scene, Vec3(-4, 2, -1), Vec3(2, 0, 0), Vec3(0, 0, 2), Vec3(8, 8, 8));
     const Image image = render(finished(scene), one_pixel(8, 1, 2));
     CHECK(image.pixels[0] == Vec3(4, 2, 1));
@@ -221,7 +221,7 @@ TEST_CASE("scale: a scene scaled by 100 and by 0.01 gives the same image up to r
             far_off += difference > 1e-3f * (1e-2f + max_abs(expected.pixels[i])) ? 1 : 0;
         }
         INFO("scale " << scale);
-        CHECK(far_off <= 2);  // of 432: paths that rounding sends past an edge
+        CHECK(far_off <= 2);  // of 432: rounding sends these past an edge
     }
 }
 

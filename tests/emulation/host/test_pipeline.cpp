@@ -1,4 +1,4 @@
-/// Whole renders: the same bits under every parameter that must not matter, and Embree's.
+/// Whole renders give the same bits under every parameter that must not matter, and Embree's.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <functional>
@@ -19,7 +19,7 @@ namespace {
 
 using Change = std::function<void(PipelineParameters&)>;
 
-/// The same bits as with standard parameters.
+/// Checks for the same bits as with standard parameters.
 void check_same(const std::string& scene, const PipelineParameters& base,
                 const std::vector<Change>& changes) {
     const Image expected = render(scene, base);
@@ -35,7 +35,7 @@ Image by_embree(const std::string& name, const PipelineParameters& p) {
     return render_with_embree(scene_named(name), p, EmbreeTracer(scene_named(name)), 2);
 }
 
-/// Asks Embree about every ray of a render, and a higher precision where the two disagree.
+/// Asks Embree about every ray of a render, and double precision where the two disagree.
 class Adjudicator : public StageObserver {
  public:
     Adjudicator(const Scene& scene, std::uint32_t spp) : scene_(scene), tracer_(scene), spp_(spp) {}
@@ -60,7 +60,7 @@ class Adjudicator : public StageObserver {
         }
     }
     std::size_t rays = 0;
-    std::set<std::size_t> explained;  ///< pixels with a ray about which opinions differ
+    std::set<std::size_t> explained;  ///< pixels with a ray on which the two differ
     std::vector<std::string> wrong;
 
  private:
@@ -131,7 +131,7 @@ TEST_CASE("pipeline: batches of 1, 7, 64 or all rays change no bit", "[emulation
         changes.emplace_back([=](PipelineParameters& p) { p.batch_rays = batch; });
     }
     check_same("cornell", tiny(9, 7), changes);
-    // More samples than a batch holds: the running sums add up in the same order.
+    // There are more samples than a batch holds: the running sums add up in the same order.
     PipelineParameters many = tiny(3, 2);
     many.spp = 30;
     check_same("spheres", many, changes);
@@ -176,7 +176,7 @@ TEST_CASE("pipeline: two runs are equal bit by bit, and another seed gives anoth
     PipelineParameters p = tiny(16, 16);
     const Image first = render("cornell", p);
     CHECK(differing_pixels(render("cornell", p), first) == 0);
-    // One pipeline twice: nothing is left over from the render before.
+    // One pipeline renders twice: nothing is left over from the render before.
     Pipeline pipeline(scene_named("cornell"), bvh_of("cornell", 8), p, {2});
     CHECK(differing_pixels(pipeline.render(), first) == 0);
     CHECK(differing_pixels(pipeline.render(), first) == 0);
@@ -196,7 +196,7 @@ TEST_CASE("pipeline: the image is the one that Embree's traversal gives, bit for
 
 TEST_CASE("pipeline: where Embree's image differs, Embree saw another of two hits alike",
           "[emulation][pipeline]") {
-    // Edges and slivers everywhere: now and then two answers are right.
+    // These have edges and slivers everywhere: sometimes two answers are right.
     for (const char* scene : {"coil", "veil", "slivers"}) {
         const PipelineParameters p = tiny(24, 18);
         Adjudicator adjudicator(scene_named(scene), p.spp);
@@ -211,7 +211,7 @@ TEST_CASE("pipeline: where Embree's image differs, Embree saw another of two hit
                 unexplained += 1 - adjudicator.explained.count(i);
         }
         CHECK(unexplained == 0);
-        CHECK(differing_pixels(ours, theirs) < 22);  // 5 % even so
+        CHECK(differing_pixels(ours, theirs) < 22);  // at most 5 % all the same
         CHECK(adjudicator.rays > 1000);
     }
 }

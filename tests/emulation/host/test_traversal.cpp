@@ -1,4 +1,4 @@
-/// Whole traversals of rays from elsewhere: brute force's hits, growth, and every error.
+/// Whole traversals of given rays: brute force's hits, growth, and every error.
 #include <rapidcheck/catch.h>
 
 #include <algorithm>
@@ -75,7 +75,7 @@ PipelineParameters one_triangle_leaves() {
 
 const Ray kThroughStack{Vec3(0, 0, 1), 0.0f, Vec3(0, 0, -1), kInfinity};
 
-/// Counts what it is shown.
+/// Counts the stages that it is shown.
 class Counter : public StageObserver {
  public:
     void on_stage(const StageView& stage) override {
@@ -89,7 +89,7 @@ class Counter : public StageObserver {
     std::vector<std::string> retries;
 };
 
-/// Message and kind of what `action` throws.
+/// Message and kind of the exception that `action` throws.
 template <class Action>
 std::string error_of(ErrorKind kind, Action&& action) {
     try {
@@ -128,7 +128,7 @@ TEST_CASE("trace: equals brute force bit for bit, whatever the parameters",
         const DeviceOptions device{1 + below(2), static_cast<ScheduleKind>(below(6)), seed};
         const std::vector<Hit> exact = brute_force(scene, rays);
         RC_ASSERT(same_bits(trace(scene, rays, p, TraversalKind::closest, nullptr, device), exact));
-        // An any-hit query says the same about whether there is a hit.
+        // An any-hit query agrees on whether there is a hit.
         const std::vector<Hit> any = trace(scene, rays, p, TraversalKind::any, nullptr, device);
         for (std::size_t i = 0; i < rays.size(); ++i) RC_ASSERT(is_hit(any[i]) == is_hit(exact[i]));
     });
@@ -181,7 +181,7 @@ TEST_CASE("trace: a hit buffer that is too small grows, says so, and changes not
     CHECK(counter.retries.size() < 8);  // it doubles at least
     CHECK_THAT(counter.retries[0], Catch::Contains("merge_intersections"));
     CHECK_THAT(counter.retries[0], Catch::Contains("the buffer had 1 slots"));
-    // Large enough from the start: the same bits, and nothing to say.
+    // A buffer that is large enough from the start gives the same bits, and no retry.
     Counter quiet;
     p.hit_capacity = 100;
     CHECK(same_bits(trace(scene, rays, p, TraversalKind::closest, &quiet), hits));
@@ -290,7 +290,7 @@ TEST_CASE("queue: more pushes than a child has room for are an error with stage,
           "[emulation][traversal]") {
     const Scene scene = soup(200, 0.1f, 1);
     WideBvh bvh = build_wide_bvh(scene, {8, 4, 1});
-    // A broken tree: two slots of the root lead to the same child, and everything enters both.
+    // A broken tree: two slots of the root lead to the same child, and every ray enters both.
     WideNode<8>& root = std::get<std::vector<WideNode<8>>>(bvh.inner)[0];
     for (const int slot : {0, 1}) {
         root.child[slot] = 1;
@@ -342,7 +342,7 @@ TEST_CASE("hit buffer: what cannot grow further is an error with stage and sizes
                             }),
                    {"trace/merge_intersections", "a ray has 100 hits", "30 rays", "2999 slots",
                     "--batch-rays"});
-    // Too many from the start: said before memory is asked for.
+    // Too many from the start: the error comes before memory is asked for.
     p.hit_capacity = 65536;
     check_contains(error_of(ErrorKind::bad_input,
                             [&] {

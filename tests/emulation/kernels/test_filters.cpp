@@ -51,8 +51,8 @@ const Vec3& at(const Image& image, int x, int y) {
 const std::vector<std::array<std::uint32_t, 2>> kSizes{{1, 1}, {1, 7}, {7, 1},
                                                        {2, 2}, {3, 3}, {17, 5}};
 
-/// How far a filter is, at most, from the weighted mean over 5 x 5 in double, as a share of it;
-/// `weight(dx, dy, value, centre)`.
+/// The largest difference of a filter from the weighted mean over 5 x 5 in double, as a share of
+/// it; `weight(dx, dy, value, centre)`.
 template <class Weight>
 double distance_from_mean(Kernel filter, Weight&& weight) {
     double largest = 0.0;
@@ -86,7 +86,7 @@ double gaussian_weight(int dx, int dy, const Vec3&, const Vec3&) {
     return std::exp(-0.5 * (dx * dx + dy * dy));
 }
 
-/// A planted fault: every pixel is its right neighbour's.
+/// A planted fault: every pixel takes its right neighbour's value.
 template <Kernel Filter>
 void off_by_one(std::uint32_t pixel, const FilterView& view) {
     Filter((pixel + 1) % (view.width * view.height), view);

@@ -1,4 +1,4 @@
-/// The level kernel on inner nodes: what is pushed, where to, and what is left alone.
+/// The level kernel on inner nodes: which rays it pushes, where to, and what it leaves alone.
 #include <rapidcheck/catch.h>
 
 #include <catch2/catch.hpp>
@@ -11,7 +11,7 @@ using scotty::reference::EarlyOut;
 
 namespace {
 
-/// Everything outside the filled part of every child's region is as it was.
+/// Checks that everything outside the filled part of every child's region is unchanged.
 template <int Width>
 bool rest_is_untouched(const OneLevel<Width>& level) {
     std::vector<bool> filled(level.child_queue.size(), false);
@@ -48,7 +48,7 @@ void check_level(const std::vector<std::uint32_t>& lengths, std::uint32_t thread
         CHECK(rest_is_untouched(level));
         for (std::size_t child = 0; child < expected.size(); ++child) {
             CHECK(sorted(level.queue_of(child)) == sorted(expected[child]));
-            // One block after the other: then the order is the input's, too.
+            // One block after the other keeps the input's order too.
             if (schedule == ScheduleKind::linear && grid == 0) {
                 CHECK(level.queue_of(child) == expected[child]);
             }
@@ -84,7 +84,7 @@ TEST_CASE("intersect: pushes exactly what a straight loop pushes, for random lev
 TEST_CASE("intersect_root: ray ids are thread ids, for every tail", "[emulation][intersect]") {
     for (const std::uint32_t count : {1u, 31u, 33u, 64u, 65u, 500u}) {
         OneLevel<8> level({count}, count);
-        // The root: node 0, its queue all rays in order.
+        // The root is node 0, and its queue is all rays in order.
         for (std::uint32_t i = 0; i < count; ++i) level.queue[i] = i;
         level.scan(64);
         LevelView view = level.view();
@@ -111,7 +111,7 @@ TEST_CASE("intersect: a missing child gets nothing", "[emulation][intersect]") {
     for (std::uint32_t& child : node.child) {
         if (child == kNone) continue;
         missing = child - level.first_child();
-        child = kNone;  // its box still is where rays go
+        child = kNone;  // its box stays where rays go
         break;
     }
     Device device({1, ScheduleKind::linear, 0});
@@ -145,7 +145,7 @@ TEST_CASE("intersect: a region that is too small is reported and nothing leaves 
         OneLevel<8> level({2000, 2000}, 3);
         const auto expected = level.pushed();
         level.scan(32);
-        // Every region but one is as large as it has to be; that one lacks a slot.
+        // Every region has the size it needs, except one that lacks a slot.
         std::size_t tight = 0;
         while (expected[tight].size() < 40) ++tight;
         for (std::size_t child = tight + 1; child < level.child_offsets.size(); ++child) {
@@ -159,7 +159,7 @@ TEST_CASE("intersect: a region that is too small is reported and nothing leaves 
         for (std::size_t child = 0; child < expected.size(); ++child) {
             if (child != tight) CHECK(sorted(level.queue_of(child)) == sorted(expected[child]));
         }
-        // What fitted is the node's own; the block that did not fit wrote nothing.
+        // The entries that fit are the node's own; the block that did not fit wrote nothing.
         for (std::uint32_t i = level.child_offsets[tight]; i < level.child_offsets[tight + 1];
              ++i) {
             const std::uint32_t id = level.child_queue[i];

@@ -74,7 +74,7 @@ std::uint64_t pack(float t, std::uint32_t primitive) {
     return std::uint64_t{std::bit_cast<std::uint32_t>(t)} << 32 | primitive;
 }
 
-/// The same triangle, seen from z = 5 at t = 5, many times.
+/// The same triangle many times, seen from z = 5 at t = 5.
 Scene coincident(std::uint32_t count) {
     Scene scene;
     scene.materials.emplace_back();
@@ -110,7 +110,7 @@ TEST_CASE("leaf: each ray's closest hit is brute force's, for odd queues and bot
                               (hit ? pack(exact[i].t, exact[i].primitive) : kNoPackedHit));
                         continue;
                     }
-                    // Rays that are not in the queue, dead or missing: nothing is written.
+                    // For rays that are not in the queue, dead or missing, nothing is written.
                     CHECK(leaf.counts[i] == (hit ? 1 : 0));
                     CHECK(leaf.candidates[i].primitive == (hit ? exact[i].primitive : kPoison));
                     if (hit) CHECK(leaf.candidates[i].t == exact[i].t);
@@ -124,7 +124,7 @@ TEST_CASE("leaf: of 1, 64, 65 or 1000 coincident triangles the lowest id wins",
           "[emulation][leaf]") {
     for (const std::uint32_t count : {1u, 64u, 65u, 1000u}) {
         OneLeaf leaf(coincident(count));
-        // Any order in the leaf: the tie goes by id, not by place.
+        // In any order of the leaf, the tie goes by id and not by place.
         std::reverse(leaf.triangles.begin(), leaf.triangles.end());
         leaf.rays.assign(3, towards_origin());
         leaf.run(ids(3), HitMode::buffer, EarlyOut::off);
@@ -179,9 +179,9 @@ TEST_CASE("leaf: a hit beyond the minimum is not recorded, one as near is", "[em
             if (mode == HitMode::buffer) CHECK((leaf.counts[i] == 1) == recorded[i]);
             if (mode == HitMode::packed) CHECK((leaf.packed[i] != kNoPackedHit) == recorded[i]);
         }
-        // Lowered to the hit's distance, never raised.
+        // The minimum is lowered to the hit's distance, never raised.
         CHECK(leaf.lowered == std::vector<float>{5.0f, std::nextafter(5.0f, 0.0f), 5.0f, kDone});
-        CHECK(leaf.minimum[2] == kInfinity);  // what is read stays until it is published
+        CHECK(leaf.minimum[2] == kInfinity);  // kernels read the old value until it is published
     }
     leaf.run(ids(4), HitMode::buffer, EarlyOut::off);
     CHECK(leaf.counts == std::vector<std::uint32_t>{1, 1, 1, 1});  // off never culls
@@ -201,7 +201,7 @@ TEST_CASE("leaf: a full hit buffer is reported with the slots it needs, the next
     for (const std::uint32_t capacity : {1u, 3u}) {
         OneLeaf leaf(coincident(1), capacity);
         leaf.rays.assign(3, towards_origin());
-        // The middle ray stands in the queue five times, as if in five leaves.
+        // The middle ray is in the queue five times, as if in five leaves.
         leaf.run({1, 1, 1, 1, 1}, HitMode::buffer, EarlyOut::off);
         CHECK(leaf.counts == std::vector<std::uint32_t>{0, 5, 0});
         CHECK(leaf.needed == 5);

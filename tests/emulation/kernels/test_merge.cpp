@@ -1,4 +1,4 @@
-/// Merging what leaves have found, and publishing minima.
+/// Merging the hits that leaves have found, and publishing minima.
 #include <bit>
 #include <catch2/catch.hpp>
 #include <cstring>
@@ -16,7 +16,7 @@ namespace {
 
 HitCandidate closest_of(std::vector<HitCandidate> candidates, std::uint32_t count,
                         std::uint32_t capacity) {
-    candidates.resize(capacity, {0.0f, 0});  // slots past the count hold what would win
+    candidates.resize(capacity, {0.0f, 0});  // slots past the count hold hits that would win
     HitView hits{};
     hits.mode = HitMode::buffer;
     hits.capacity = capacity;
@@ -46,7 +46,7 @@ TEST_CASE("merge: an empty set of hits is no hit, and slots past the count are n
           "[emulation][merge]") {
     CHECK(closest_of({}, 0, 4).primitive == kNone);
     CHECK(closest_of({{5, 6}}, 1, 4).primitive == 6);
-    CHECK(closest_of({{5, 6}, {4, 7}}, 9, 2).primitive == 7);  // overfull: only what was written
+    CHECK(closest_of({{5, 6}, {4, 7}}, 9, 2).primitive == 7);  // overfull: only written slots count
     CHECK(closest_of_packed(kNoPackedHit).primitive == kNone);
 }
 

@@ -1,4 +1,4 @@
-/// Scans, and how blocks find their node in them.
+/// Scans, and how blocks find their nodes in them.
 #include <rapidcheck/catch.h>
 
 #include <algorithm>
@@ -26,13 +26,13 @@ Counts random_counts(std::size_t size, std::uint32_t most, std::uint32_t seed) {
     std::mt19937 random(seed);
     Counts counts(size);
     for (std::uint32_t& n : counts) {
-        // Half of them empty, as deep levels are.
+        // Half of them are empty, as on deep levels.
         n = random() % 2 == 0 ? 0 : static_cast<std::uint32_t>(random() % (most + 1));
     }
     return counts;
 }
 
-/// Exclusive scan of blocks a node: what scan_counts gives.
+/// Exclusive scan of blocks per node, as scan_counts computes it.
 Counts block_offsets_of(const Counts& counts, std::uint32_t threads) {
     Counts blocks(counts.size());
     std::transform(counts.begin(), counts.end(), blocks.begin(),
@@ -40,7 +40,7 @@ Counts block_offsets_of(const Counts& counts, std::uint32_t threads) {
     return host_scan(blocks);
 }
 
-/// Every block finds the node whose range of blocks it lies in.
+/// Whether every block finds the node whose range of blocks it lies in.
 bool all_blocks_find_their_node(const Counts& offsets, std::uint32_t threads) {
     const auto nodes = static_cast<std::uint32_t>(offsets.size() - 1);
     for (std::uint32_t id = 0; id < offsets.back(); ++id) {
@@ -123,7 +123,7 @@ TEST_CASE("search: one node, empty nodes at both ends, and more nodes than the r
                 block_offsets_of(random_counts(nodes, 100, threads), threads), threads));
         }
     }
-    // Three rounds of the search.
+    // The search takes three rounds.
     CHECK(all_blocks_find_their_node(block_offsets_of(random_counts(40000, 60, 3), 32), 32));
 }
 

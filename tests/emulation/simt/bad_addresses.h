@@ -6,10 +6,10 @@
 
 namespace scotty::simt::test {
 
-/// No such memory: nothing is mapped so low.
+/// There is no such memory: nothing is mapped so low.
 inline std::uint32_t* nowhere() { return reinterpret_cast<std::uint32_t*>(64); }
 
-/// As outside tests, where Catch (and a sanitizer) does not answer signals first.
+/// As outside tests: Catch (and a sanitizer) must not answer signals first.
 class NobodyAnswersSignals {
  public:
     NobodyAnswersSignals() {

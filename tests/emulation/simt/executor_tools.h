@@ -1,4 +1,4 @@
-/// What the tests of the executor share.
+/// Shared by the tests of the executor.
 #pragma once
 
 #include <catch2/catch.hpp>
@@ -18,7 +18,7 @@ using emulation::simt::LaunchError;
 using emulation::simt::SimtOptions;
 using emulation::simt::ThreadGroup;
 
-/// Every way in which blocks and threads can be ordered.
+/// Every order of blocks and threads.
 inline std::vector<SimtOptions> every_order() {
     return {{1, ScheduleKind::free, 0},     {2, ScheduleKind::free, 0},
             {0, ScheduleKind::linear, 0},   {0, ScheduleKind::reversed, 0},
@@ -26,7 +26,7 @@ inline std::vector<SimtOptions> every_order() {
             {0, ScheduleKind::shuffled, 1}, {0, ScheduleKind::shuffled, 2}};
 }
 
-/// What a launch throws.
+/// The error that a launch throws.
 inline LaunchError error_of(const std::function<void()>& launch) {
     try {
         launch();

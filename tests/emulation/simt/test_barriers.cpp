@@ -1,4 +1,4 @@
-/// Barriers wherever they may stand, and shared memory between them.
+/// Barriers wherever they are allowed, and shared memory between them.
 #include <numeric>
 
 #include "tests/emulation/simt/executor_tools.h"
@@ -6,7 +6,7 @@
 namespace scotty::gpu::simt {
 namespace {
 
-/// Every thread reads what its neighbour wrote before the barrier, round after round.
+/// Every thread reads the value that its neighbour wrote before the barrier, round after round.
 SCOTTY_KERNEL(pass_around)(std::uint32_t rounds, std::uint32_t* out) {
     struct Values {
         std::uint32_t value[1024];

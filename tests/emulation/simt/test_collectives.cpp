@@ -53,7 +53,7 @@ SCOTTY_KERNEL(counters)(std::uint32_t* words, std::uint64_t* least, float* neare
     atomic_min(least, std::uint64_t{1} << 40 | (i ^ 77));
     atomic_min_distance(nearest, 1.0f + static_cast<float>(i));
     if (i == 500) atomic_min_distance(nearest, -1.0f);
-    atomic_add(&words[2 + before], 1);  // the value before is each thread's own
+    atomic_add(&words[2 + before], 1);  // each thread has its own value before
     atomic_add(&words[2 + 1024], load_relaxed(nearest) <= 1e9f ? 1 : 0);
     words[2 + 1025 + i] = float_bits(bits_float(i));
     SCOTTY_RETURN;

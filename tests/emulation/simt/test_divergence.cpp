@@ -1,4 +1,4 @@
-/// Threads that do not meet, and threads that fail: each is an error that names them.
+/// Threads that do not meet, and threads that fail: each case is an error that names them.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -62,7 +62,7 @@ SCOTTY_KERNEL(two_ballots)(std::uint32_t* out) {
     }
 }
 
-/// Barriers in a loop that threads leave at different turns.
+/// A barrier in a loop that threads leave in different rounds.
 SCOTTY_KERNEL(uneven_loop)() {
     for (std::uint32_t turn = 0; turn <= thread_index() / 32; ++turn) SCOTTY_SYNC();
     SCOTTY_SYNC();
@@ -73,7 +73,7 @@ SCOTTY_COLLECTIVE(void) wait() {
     SCOTTY_RETURN;
 }
 SCOTTY_KERNEL(two_calls)() {
-    // The same barrier by two ways: to the device, and here, one place.
+    // The same barrier is reached in two ways: to the device, and here, it is one place.
     if (thread_index() < 32) {
         SCOTTY_AWAIT(wait());
     } else {
@@ -81,7 +81,7 @@ SCOTTY_KERNEL(two_calls)() {
     }
 }
 
-/// A collective function returns before the kernel ends: the place told is the kernel's end.
+/// A collective function returns before the kernel ends: the error names the kernel's end.
 SCOTTY_KERNEL(ends_after_call)() {
     SCOTTY_AWAIT(wait());
     if (thread_index() != 7) SCOTTY_SYNC();
@@ -171,7 +171,7 @@ TEST_CASE("executor: leaving before a barrier that others wait at is an error",
         CHECK_THAT(error.what(),
                    Contains("threads 50-63 have left the kernel at tests/emulation/simt/"));
     }
-    // A whole warp that leaves counts as much as a lane of one.
+    // A whole warp that leaves counts as much as one lane.
     CHECK_THROWS_AS(Executor().launch("leaves_before_barrier", 1, 64, leaves_before_barrier, 32u),
                     LaunchError);
     CHECK_NOTHROW(Executor().launch("leaves_before_barrier", 2, 64, leaves_before_barrier, 64u));
@@ -230,7 +230,7 @@ TEST_CASE("executor: a thread that throws ends its block and is named", "[simt][
               "kernel throws, block 2 (64 threads): thread 33 failed: no such luck");
         CHECK(error.block == 2);
         CHECK(after == 0);
-        // The executor is as good as new.
+        // The executor is still usable.
         executor.launch("throws", 4, 64, throws, 9u, 33u, &after);
     }
 }
@@ -257,7 +257,7 @@ TEST_CASE("executor: a thread that reaches memory which is not there ends its la
                   std::string("kernel writes_nowhere, block 2 (64 threads): thread 33 reached "
                               "memory that is not there; --check names the line"));
         }
-        // The executor is as good as new.
+        // The executor is still usable.
         std::uint32_t there = 0;
         executor.launch("writes_nowhere", 4, 64, writes_nowhere, &there);
         CHECK(there == 1);
@@ -295,7 +295,7 @@ TEST_CASE("runtime: a failed launch is told once, and fails what is not asked", 
     cudaStream_t stream = nullptr;
     REQUIRE(cudaStreamCreate(&stream) == cudaSuccess);
     SCOTTY_LAUNCH(ends_before_barrier, 1, 4, stream);
-    SCOTTY_LAUNCH(two_calls, 1, 64, stream);  // does not hide it
+    SCOTTY_LAUNCH(two_calls, 1, 64, stream);  // does not hide the error
     std::uint32_t from = 1;
     std::uint32_t to = 0;
     CHECK(cudaMemcpy(&to, &from, 4, cudaMemcpyHostToDevice) == cudaErrorLaunchFailure);

@@ -1,4 +1,4 @@
-/// The kernels of a traversal alone, on levels made by hand.
+/// The kernels of a traversal alone, on handmade levels.
 #include <bit>
 #include <numeric>
 
@@ -31,7 +31,7 @@ namespace simt = scotty::gpu::simt;
 
 using Words = std::vector<std::uint32_t>;
 
-/// A level of inner nodes for the CUDA kernels; scanned by them, too.
+/// A level of inner nodes for the CUDA kernels, which also scan it.
 template <int Width>
 struct Level : OneLevel<Width> {
     Level(const Words& queue_lengths, std::uint32_t seed) : OneLevel<Width>(queue_lengths, seed) {}
@@ -105,7 +105,7 @@ void check_width() {
             for (std::size_t child = 0; child < pushed.size(); ++child) {
                 CHECK(sorted(level.queue_of(child)) == sorted(pushed[child]));
             }
-            // Outside the queues nothing was written.
+            // Nothing was written outside the queues.
             Words outside = level.child_queue;
             for (std::size_t child = 0; child < pushed.size(); ++child) {
                 const auto begin = outside.begin() + level.child_offsets[child];
@@ -148,7 +148,7 @@ TEST_CASE("scan_counts: any number of nodes, against a straight loop", "[simt][k
             for (std::uint32_t i = 0; i < nodes; ++i) {
                 expected.push_back(expected.back() + (counts[i] + 63) / 64);
             }
-            expected.push_back(kPoison);  // behind the total nothing is written
+            expected.push_back(kPoison);  // nothing is written after the total
             CHECK(blocks == expected);
             std::uint32_t sum = 0;
             expected = {0};
@@ -399,7 +399,7 @@ TEST_CASE(
             candidates[3 * i + slot] = {tie ? exact.t : 2.0f * exact.t + 1.0f, 49};
         }
         candidates[3 * i + i % counts[i]] = {exact.t, exact.primitive};
-        if (counts[i] == 3) counts[i] = 8;  // more than there is room for: only what was written
+        if (counts[i] == 3) counts[i] = 8;  // more than fit: only written slots count
     }
     for (const std::uint32_t packed_mode : {0u, 1u}) {
         for (const SimtOptions& options : every_order()) {

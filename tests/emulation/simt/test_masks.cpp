@@ -1,4 +1,4 @@
-/// Warp collectives of some lanes only, and shared memory whose size the launch says.
+/// Warp collectives of some lanes only, and shared memory whose size the launch gives.
 #include <algorithm>
 
 #include "tests/emulation/simt/executor_tools.h"
@@ -25,7 +25,7 @@ SCOTTY_KERNEL(groups)(std::uint32_t* out) {
     SCOTTY_RETURN;
 }
 
-/// The mask of the lanes that have work left, as a loop with an early way out computes it.
+/// The mask of the lanes that have work left, as a loop with an early exit computes it.
 SCOTTY_KERNEL(fewer_and_fewer)(std::uint32_t* out) {
     std::uint32_t rounds = 0;
     for (std::uint32_t mask = SCOTTY_AWAIT(warp_ballot(lane_index() != 0));
@@ -46,7 +46,7 @@ SCOTTY_KERNEL(mask_of_who_has_left)(std::uint32_t* out) {
     out[thread_index()] = SCOTTY_AWAIT(warp_ballot(true, kWholeWarp));
 }
 
-/// The first warp waits for a lane that has left; the others have nothing to do with it.
+/// The first warp waits for a lane that has left; the other warps do not depend on it.
 SCOTTY_KERNEL(one_warp_waits)(std::uint32_t* out) {
     if (warp_index() == 0) {
         if (lane_index() == 9) SCOTTY_RETURN;

@@ -1,4 +1,4 @@
-/// Orders of blocks and threads: as asked for, and the same again.
+/// Orders of blocks and threads are the requested ones, and repeat.
 #include <algorithm>
 
 #include "tests/emulation/simt/executor_tools.h"
@@ -6,7 +6,7 @@
 namespace scotty::gpu::simt {
 namespace {
 
-/// Each phase notes who came when.
+/// Each phase records which threads came when.
 SCOTTY_KERNEL(note_order)(std::uint32_t* next, std::uint32_t* log) {
     for (int phase = 0; phase < 2; ++phase) {
         log[atomic_add(next, 1)] = block_index() * block_size() + thread_index();
@@ -83,7 +83,7 @@ TEST_CASE("orders: launches and phases of one seed are shuffled differently, and
     CHECK(first == order_of(b));
     CHECK(second == order_of(b));
     CHECK_FALSE(std::equal(first.begin(), first.begin() + kThreads, first.begin() + kThreads));
-    // Whatever the order, a block's phases do not overlap and nobody is left out.
+    // In every order, a block's phases do not overlap and no thread is left out.
     for (std::uint32_t phase = 0; phase < 2 * kBlocks; ++phase) {
         std::vector<std::uint32_t> part(first.begin() + phase * kThreads,
                                         first.begin() + (phase + 1) * kThreads);

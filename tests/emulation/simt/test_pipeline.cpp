@@ -34,7 +34,7 @@ using scotty::verify::test::spheres_input;
 using scotty::verify::test::StageCopies;
 using scotty::verify::test::TemporaryFolder;
 
-/// "" or the first of the buffers whose canonical forms differ.
+/// "" or the name of the first buffer whose canonical forms differ.
 std::string first_difference(const StageView& a, const StageView& b, bool outputs) {
     const auto& buffers = outputs ? a.outputs : a.inputs;
     const auto& others = outputs ? b.outputs : b.inputs;
@@ -53,7 +53,7 @@ std::string first_difference(const StageView& a, const StageView& b, bool output
     return "";
 }
 
-/// Holds every stage against the emulator's of the same name. Of a traversal that was run again the
+/// Compares every stage with the emulator's of the same name. If a traversal was run again, its
 /// last run counts.
 class Against : public StageObserver {
  public:
@@ -62,7 +62,7 @@ class Against : public StageObserver {
 
     void on_stage(const StageView& stage) override {
         ++stages_[stage.name];
-        // What is queued and gathered under `immediate` depends on timing.
+        // Queues and gathered hits depend on timing under `immediate`.
         const bool queues = stage.kind == StageKind::scan_counts ||
                             stage.kind == StageKind::intersect ||
                             stage.kind == StageKind::intersect_root;
@@ -75,7 +75,7 @@ class Against : public StageObserver {
         if (!timing_ || (!merge && stage.kind != StageKind::resolve_light)) {
             difference = first_difference(expected, stage, false);
         }
-        if (timing_ && merge && any) {  // of an any-hit query only hit or not is fixed
+        if (timing_ && merge && any) {  // for an any-hit query only hit or not is fixed
             const auto a = expected.get<Hit>("merged");
             const auto b = stage.get<Hit>("merged");
             for (std::size_t i = 0; i < a.size(); ++i) {
@@ -94,7 +94,7 @@ class Against : public StageObserver {
         }
         return text;
     }
-    /// Stages that the emulator has and this run has not, or the other way round.
+    /// Stages that the emulator has and this run lacks, or the other way round.
     std::string missing() const {
         std::map<std::string, int> names;
         for (const auto& copy : emulator_.all()) ++names[copy.view.name];
@@ -200,7 +200,7 @@ TEST_CASE("pipeline: buffers that are too small grow, and the picture is the sam
     CHECK(differing_pixels(render(0), expected) == 0);
     CHECK(retries.grown > 0);
     CHECK(retries.halved == 0);
-    // Less device memory than one batch needs: batches are halved until they fit.
+    // There is less device memory than one batch needs: batches are halved until they fit.
     p.image_width = p.image_height = 64;
     p.hit_capacity = 32;
     const Image larger =
@@ -246,7 +246,7 @@ TEST_CASE("pipeline: without queues a traversal merges its own hits, unless some
     } watcher;
     const Scene& scene = scene_named("spheres");
     const std::vector<Ray> incoherent = scotty::reference::test::random_rays(300, 1.5f, 7);
-    std::vector<Ray> coherent = incoherent;  // a thread each
+    std::vector<Ray> coherent = incoherent;  // one thread per ray
     for (Ray& ray : coherent) ray.direction = scotty::reference::Vec3(0.1f, 0.2f, 1.0f);
     std::vector<Ray> dead = incoherent;
     for (std::size_t i = 0; i < dead.size(); i += 3) dead[i] = scotty::reference::dead_ray();
@@ -261,7 +261,7 @@ TEST_CASE("pipeline: without queues a traversal merges its own hits, unless some
                 const auto merges = [&](StageObserver* observer, std::vector<Hit>& hits) {
                     auto pipeline = make_simt_pipeline(scene, bvh, p, {}, observer);
                     pipeline->trace(rays, kind, hits);
-                    std::vector<Hit> again(rays.size());  // what the launch before has left
+                    std::vector<Hit> again(rays.size());  // the launch before has left these
                     pipeline->trace(rays, kind, again);
                     CHECK(scotty::emulation::test::same_bits(hits, again));
                     return std::any_of(pipeline->launches().begin(), pipeline->launches().end(),
