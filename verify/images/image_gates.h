@@ -42,9 +42,8 @@ struct GateResult {
     /// The region that the statistic belongs to, in pixels.
     std::uint32_t x = 0, y = 0, width = 0, height = 0;
     std::uint32_t channel = 0;
-    std::string text;  ///< one sentence, with the place and both values
-    std::string
-        waiver;  ///< what lets the failure pass for a while (verify/golden/waivers.h)
+    std::string text;    ///< one sentence, with the place and both values
+    std::string waiver;  ///< what lets the failure pass for a while (verify/golden/waivers.h)
 
     bool failed() const { return ran && !passed && waiver.empty(); }
 };

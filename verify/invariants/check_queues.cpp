@@ -385,7 +385,7 @@ void check_queues(CheckState& state, const StageView& stage) {
             return;
         }
         for (std::uint32_t child = 0; child < children; ++child) {
-            if (launch.child_offsets[child] > launch.child_offsets[child + 1]) return;  // check_scan's
+            if (launch.child_offsets[child] > launch.child_offsets[child + 1]) return;  // scan's
         }
     }
 

@@ -261,7 +261,7 @@ TEST_CASE("pipeline: without queues a traversal merges its own hits, unless some
                 const auto merges = [&](StageObserver* observer, std::vector<Hit>& hits) {
                     auto pipeline = make_simt_pipeline(scene, bvh, p, {}, observer);
                     pipeline->trace(rays, kind, hits);
-                    std::vector<Hit> again(rays.size());  // the launch before has left these
+                    std::vector<Hit> again(rays.size());  // from the first trace's end
                     pipeline->trace(rays, kind, again);
                     CHECK(scotty::emulation::test::same_bits(hits, again));
                     return std::any_of(pipeline->launches().begin(), pipeline->launches().end(),
