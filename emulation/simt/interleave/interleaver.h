@@ -1,6 +1,6 @@
 /// Runs the blocks of a launch in turns that change in their middle; each block is a fiber.
 ///
-/// The instrumented kernel announces every access to device memory (check/instrumentation.cpp)
+/// The instrumented kernel announces every access to device memory (instrumentation.cpp)
 /// before it happens. There a block may pause and another goes on; a Chooser says which.
 #pragma once
 
