@@ -50,6 +50,12 @@ class DeviceBuffer {
         WatchedMemory<T>::host_wrote(watch_, memory_.get(), count_);
     }
 
+    /// Takes the size and the content of `values`.
+    void assign(std::span<const T> values) {
+        resize(values.size());
+        generate([&](std::size_t i) { return values[i]; });
+    }
+
     T* data() { return memory_.get(); }
     const T* data() const { return memory_.get(); }
     std::size_t size() const { return count_; }

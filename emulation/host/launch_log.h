@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "emulation/device/watch.h"
@@ -29,6 +30,10 @@ class LaunchLog {
                             items, taken.count()});
     }
 
+    /// Shows what follows to another observer, and hands back the one before.
+    reference::StageObserver* exchange_observer(reference::StageObserver* observer) {
+        return std::exchange(observer_, observer);
+    }
     bool wants(reference::StageKind kind) const {
         return observer_ != nullptr && observer_->wants(kind);
     }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "emulation/device/device_buffer.h"
@@ -19,6 +20,7 @@
 #include "reference/base/assert.h"
 #include "reference/base/memory.h"
 #include "reference/contract/batch_plan.h"
+#include "reference/contract/stage_inputs.h"
 
 namespace scotty::emulation {
 
@@ -72,8 +74,9 @@ class Pipeline::State {
 
     reference::Image render();
     void trace(std::span<const Ray> rays, TraversalKind kind, std::span<Hit> hits);
+    std::vector<reference::OwnedBuffer> run_stage(const StageView& stage);
     LaunchLog& log() { return log_; }
-    std::size_t device_bytes() const;
+    std::size_t device_bytes();
 
  private:
     void render_batch(StagePlace place, const BatchView& batch);
@@ -87,7 +90,30 @@ class Pipeline::State {
     void show_paths(StageKind kind, const StagePlace& place,
                     std::vector<reference::BufferView> inputs,
                     std::vector<reference::BufferView> outputs, std::uint32_t threads_total);
-    void resize(std::size_t rays);
+    /// Launches it, on inputs that are read from its view.
+    void launch_alone(const StageView& stage);
+    /// What the stage reads of path state is taken from its view, the rest has the size of it.
+    void load_paths(const StageView& stage, std::size_t rays);
+    void load_image(const StageView& stage);
+    /// Calls f(handle, buffer) for every buffer that has a row per ray.
+    template <class F>
+    void for_each_by_ray(const F& f) {
+        f(buffers::rays, rays_);
+        f(buffers::shadow_rays, shadow_rays_);
+        f(buffers::throughput, throughput_);
+        f(buffers::radiance, radiance_);
+        f(buffers::potential, potential_);
+        f(buffers::pixel, pixel_);
+        f(buffers::sample, sample_);
+        f(buffers::depth, depth_);
+        f(buffers::flags, flags_);
+        f(buffers::path_hits, path_hits_);
+        f(buffers::shadow_hits, shadow_hits_);
+    }
+    void resize(std::size_t rays) {
+        for_each_by_ray([&](const auto&, auto& buffer) { buffer.resize(rays); });
+    }
+    std::uint32_t pixel_count() const { return parameters_.image_width * parameters_.image_height; }
     PathView paths() {
         return {rays_.data(),  throughput_.data(), radiance_.data(), potential_.data(),
                 pixel_.data(), sample_.data(),     depth_.data(),    flags_.data()};
@@ -111,7 +137,7 @@ class Pipeline::State {
 };
 
 reference::Image Pipeline::State::render() {
-    const std::uint32_t pixels = parameters_.image_width * parameters_.image_height;
+    const std::uint32_t pixels = pixel_count();
     reference::require_memory(  // as the device has it, filtered, and as it is handed out
         std::uint64_t{3} * sizeof(Vec3) * pixels,
         fmt::format("the image of {}x{} pixels", parameters_.image_width, parameters_.image_height),
@@ -272,18 +298,70 @@ void Pipeline::State::show_paths(StageKind kind, const StagePlace& place,
     log_.show(stage);
 }
 
-void Pipeline::State::resize(std::size_t rays) {
-    rays_.resize(rays);
-    shadow_rays_.resize(rays);
-    throughput_.resize(rays);
-    radiance_.resize(rays);
-    potential_.resize(rays);
-    pixel_.resize(rays);
-    sample_.resize(rays);
-    depth_.resize(rays);
-    flags_.resize(rays);
-    path_hits_.resize(rays);
-    shadow_hits_.resize(rays);
+std::vector<reference::OwnedBuffer> Pipeline::State::run_stage(const StageView& stage) {
+    reference::StageOutputs outputs;
+    reference::StageObserver* const observer = log_.exchange_observer(&outputs);
+    try {
+        launch_alone(stage);
+    } catch (...) {
+        log_.exchange_observer(observer);
+        throw;
+    }
+    log_.exchange_observer(observer);
+    return std::move(outputs).take();
+}
+
+void Pipeline::State::launch_alone(const StageView& stage) {
+    const reference::StageBuffers in(stage);
+    const StagePlace place = reference::place_of(stage);
+    BatchView batch;
+    switch (stage.kind) {
+        case StageKind::primary_rays:
+            batch = reference::batch_of(parameters_, stage);
+            resize(std::size_t{batch.pixels} * batch.samples);
+            launch_primary_rays(place, batch);
+            break;
+        case StageKind::direct_light_rays:
+            load_paths(stage, in.input(buffers::rays).size());
+            launch_direct_light(place);
+            break;
+        case StageKind::resolve_light:
+            load_paths(stage, in.input(buffers::shadow_rays).size());
+            launch_resolve_light(place);
+            break;
+        case StageKind::scene_rays:
+            load_paths(stage, in.input(buffers::rays).size());
+            launch_scene_rays(place);
+            break;
+        case StageKind::reconstruct_image:
+            batch = reference::batch_of(parameters_, stage);
+            load_paths(stage, std::size_t{batch.pixels} * batch.samples);
+            load_image(stage);
+            launch_reconstruct(place, batch);
+            break;
+        case StageKind::filter:
+            load_image(stage);
+            launch_filter();
+            break;
+        default:
+            traversal_.run_stage(stage);
+            break;
+    }
+}
+
+void Pipeline::State::load_paths(const StageView& stage, std::size_t rays) {
+    const reference::StageBuffers in(stage);
+    for_each_by_ray([&](const auto& buffer, auto& memory) {
+        memory.resize(rays);
+        if (reference::reads(stage.kind, buffer)) memory.assign(in.input(buffer, rays));
+    });
+    if (reference::reads(stage.kind, buffers::path_hits)) {
+        reference::path_hits_of_scene(in, rays, scene_.triangle_count);
+    }
+}
+
+void Pipeline::State::load_image(const StageView& stage) {
+    image_.assign(reference::StageBuffers(stage).input(buffers::image, pixel_count()));
 }
 
 void Pipeline::State::trace(std::span<const Ray> rays, TraversalKind kind, std::span<Hit> hits) {
@@ -299,11 +377,10 @@ void Pipeline::State::trace(std::span<const Ray> rays, TraversalKind kind, std::
     }
 }
 
-std::size_t Pipeline::State::device_bytes() const {
-    return traversal_.device_bytes() + rays_.bytes() + shadow_rays_.bytes() + throughput_.bytes() +
-           radiance_.bytes() + potential_.bytes() + pixel_.bytes() + sample_.bytes() +
-           depth_.bytes() + flags_.bytes() + path_hits_.bytes() + shadow_hits_.bytes() +
-           image_.bytes() + filtered_.bytes();
+std::size_t Pipeline::State::device_bytes() {
+    std::size_t bytes = traversal_.device_bytes() + image_.bytes() + filtered_.bytes();
+    for_each_by_ray([&](const auto&, const auto& buffer) { bytes += buffer.bytes(); });
+    return bytes;
 }
 
 Pipeline::Pipeline(const reference::Scene& scene, const reference::WideBvh& bvh,
@@ -318,7 +395,24 @@ void Pipeline::trace(std::span<const Ray> rays, TraversalKind kind, std::span<Hi
     state_->trace(rays, kind, hits);
 }
 
-const std::vector<LaunchRecord>& Pipeline::launches() const { return state_->log().records(); }
+double Pipeline::time_trace(std::span<const Ray> rays, TraversalKind kind, int repeats) {
+    std::vector<Hit> hits(rays.size());
+    std::vector<double> seconds;
+    for (int round = -2; round < repeats; ++round) {
+        const auto start = std::chrono::steady_clock::now();
+        trace(rays, kind, hits);
+        const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+        if (round >= 0) seconds.push_back(taken.count());
+    }
+    std::sort(seconds.begin(), seconds.end());
+    return seconds[seconds.size() / 2];
+}
+
+std::vector<reference::OwnedBuffer> Pipeline::run_stage(const StageView& stage) {
+    return state_->run_stage(stage);
+}
+
+const std::vector<LaunchRecord>& Pipeline::launches() { return state_->log().records(); }
 void Pipeline::clear_launches() { state_->log().clear(); }
 std::size_t Pipeline::device_bytes() const { return state_->device_bytes(); }
 

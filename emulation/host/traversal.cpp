@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -15,6 +16,7 @@
 
 namespace scotty::emulation {
 
+namespace buffers = reference::buffers;
 using reference::buffer_view;
 using reference::EarlyOut;
 using reference::HitMode;
@@ -58,6 +60,75 @@ void Traversal::run(std::span<const reference::Ray> rays, TraversalKind kind, St
         run_levels(place);
     } while (grow_hits(place));
     merge(place, merged);
+}
+
+void Traversal::run_stage(const StageView& stage) {
+    const reference::StageBuffers in(stage);
+    const StagePlace place = reference::place_of(stage);
+    kind_ = reference::traversal_kind_of(stage, parameters_);
+    alone_ = true;
+    std::vector<reference::Hit> merged;
+    switch (stage.kind) {
+        case StageKind::scan_counts:
+            entries_ = 0;  // counts from elsewhere may be anything, and nothing is indexed by them
+            node_counts_.assign(
+                in.input(buffers::node_counts, nodes_of(bvh_.level_begins, stage).count));
+            scan(place);
+            break;
+        case StageKind::publish_minimum:
+            lowered_.assign(in.input(buffers::lowered));
+            minimum_.resize(lowered_.size());
+            minimum_.discard();
+            publish_minimum(place);
+            break;
+        case StageKind::merge_intersections:
+            rays_ = in.input(buffers::rays);
+            load_hits(in, rays_.size());
+            expect_primitives(in, gathered_hits(in, parameters_, rays_.size()),
+                              view_of(scene_).triangle_count);
+            merged.resize(rays_.size());
+            merge(place, merged);
+            break;
+        default:
+            load_level(stage);
+            intersect_level(place);
+            break;
+    }
+    alone_ = false;
+    hit_capacity_ = parameters_.hit_capacity;
+}
+
+void Traversal::load_level(const StageView& stage) {
+    const reference::StageBuffers in(stage);
+    const reference::LevelInput level =
+        reference::level_input(in, nodes_of(bvh_.level_begins, stage), parameters_, stage);
+    rays_ = level.rays;
+    const std::array<std::uint32_t, 2> all{0, static_cast<std::uint32_t>(rays_.size())};
+    node_counts_.assign(level.node_counts);
+    queue_offsets_.assign(stage.level == 0 ? std::span<const std::uint32_t>(all)
+                                           : level.queue_offsets);
+    queue_.assign(level.queue);
+    block_offsets_.assign(level.block_offsets);
+    child_offsets_.assign(level.child_offsets);
+    entries_ =
+        std::accumulate(level.node_counts.begin(), level.node_counts.end(), std::uint64_t{0});
+    if (parameters_.early_out != EarlyOut::off) {
+        minimum_.assign(in.input(buffers::minimum, rays_.size()));
+    }
+    if (parameters_.early_out == EarlyOut::level) {
+        lowered_.assign(in.input(buffers::lowered, rays_.size()));
+    }
+    load_hits(in, rays_.size());
+}
+
+void Traversal::load_hits(const reference::StageBuffers& in, std::size_t rays) {
+    const reference::GatheredHits hits = reference::gathered_hits(in, parameters_, rays);
+    hit_capacity_ = hits.capacity;
+    hit_counts_.assign(hits.counts);
+    candidates_.assign(hits.candidates);
+    packed_.assign(hits.packed);
+    queue_overflow_.fill(0);
+    hits_needed_.fill(0);
 }
 
 void Traversal::reset(std::span<const reference::Ray> rays, TraversalKind kind) {
@@ -148,9 +219,9 @@ void Traversal::scan(const StagePlace& place) {
     });
     if (log_.wants(StageKind::scan_counts)) {
         StageView stage = log_.stage(StageKind::scan_counts, place, 1, kScanThreads);
-        stage.inputs = {buffer_view(reference::buffers::node_counts, node_counts_.view())};
-        stage.outputs = {buffer_view(reference::buffers::block_offsets, block_offsets_.view()),
-                         buffer_view(reference::buffers::child_offsets, child_offsets_.view())};
+        stage.inputs = {buffer_view(buffers::node_counts, node_counts_.view())};
+        stage.outputs = {buffer_view(buffers::block_offsets, block_offsets_.view()),
+                         buffer_view(buffers::child_offsets, child_offsets_.view())};
         log_.show(stage);
     }
 }
@@ -218,7 +289,7 @@ void Traversal::check_queues(const StagePlace& place) {
 }
 
 void Traversal::publish_minimum(const StagePlace& place) {
-    const auto count = static_cast<std::uint32_t>(rays_.size());
+    const auto count = static_cast<std::uint32_t>(lowered_.size());
     log_.timed(StageKind::publish_minimum, place, (count + 255) / 256, count, [&] {
         device_.launch_per_item(count, [&](std::uint32_t ray) {
             emulation::publish_minimum(ray, lowered_.data(), minimum_.data());
@@ -226,8 +297,8 @@ void Traversal::publish_minimum(const StagePlace& place) {
     });
     if (log_.wants(StageKind::publish_minimum)) {
         StageView stage = log_.stage(StageKind::publish_minimum, place, (count + 255) / 256, 256);
-        stage.inputs = {buffer_view(reference::buffers::lowered, lowered_.view())};
-        stage.outputs = {buffer_view(reference::buffers::minimum, minimum_.view())};
+        stage.inputs = {buffer_view(buffers::lowered, lowered_.view())};
+        stage.outputs = {buffer_view(buffers::minimum, minimum_.view())};
         log_.show(stage);
     }
 }
@@ -263,42 +334,45 @@ void Traversal::merge(const StagePlace& place, std::span<reference::Hit> merged)
     if (log_.wants(StageKind::merge_intersections)) {
         StageView stage =
             log_.stage(StageKind::merge_intersections, place, (count + 255) / 256, 256);
-        stage.inputs = {buffer_view(reference::buffers::rays, rays_)};
+        stage.inputs = {buffer_view(buffers::rays, rays_)};
         show_hits(stage, true);
-        stage.outputs = {
-            buffer_view(reference::buffers::merged, std::span<const reference::Hit>(merged))};
+        stage.outputs = {buffer_view(buffers::merged, std::span<const reference::Hit>(merged))};
         log_.show(stage);
     }
 }
 
 void Traversal::show_hits(StageView& stage, bool as_input) const {
-    auto& buffers = as_input ? stage.inputs : stage.outputs;
+    auto& shown = as_input ? stage.inputs : stage.outputs;
     if (parameters_.hit_mode == HitMode::packed) {
-        buffers.push_back(buffer_view(reference::buffers::packed_hits, packed_.view()));
+        shown.push_back(buffer_view(buffers::packed_hits, packed_.view()));
         return;
     }
-    buffers.push_back(buffer_view(reference::buffers::hit_counts, hit_counts_.view()));
-    reference::BufferView candidates = buffer_view(reference::buffers::hits, candidates_.view());
+    shown.push_back(buffer_view(buffers::hit_counts, hit_counts_.view()));
+    reference::BufferView candidates = buffer_view(buffers::hits, candidates_.view());
     candidates.shape = {rays_.size(), hit_capacity_, 2};
-    buffers.push_back(candidates);
+    shown.push_back(candidates);
 }
 
 void Traversal::show_level(const StagePlace& place, StageKind kind, std::uint32_t blocks) {
     StageView stage =
         log_.stage(kind, place, blocks, static_cast<std::uint32_t>(parameters_.rays_per_block));
-    stage.inputs = {buffer_view(reference::buffers::rays, rays_),
-                    buffer_view(reference::buffers::node_counts, node_counts_.view()),
-                    buffer_view(reference::buffers::queue_offsets, queue_offsets_.view()),
-                    buffer_view(reference::buffers::block_offsets, block_offsets_.view()),
-                    buffer_view(reference::buffers::child_offsets, child_offsets_.view())};
-    if (place.level > 0)
-        stage.inputs.push_back(buffer_view(reference::buffers::queue, queue_.view()));
+    stage.inputs = {buffer_view(buffers::rays, rays_),
+                    buffer_view(buffers::node_counts, node_counts_.view()),
+                    buffer_view(buffers::queue_offsets, queue_offsets_.view()),
+                    buffer_view(buffers::block_offsets, block_offsets_.view()),
+                    buffer_view(buffers::child_offsets, child_offsets_.view())};
+    if (place.level > 0) stage.inputs.push_back(buffer_view(buffers::queue, queue_.view()));
     if (parameters_.early_out != EarlyOut::off) {
-        stage.inputs.push_back(buffer_view(reference::buffers::minimum, minimum_.view()));
+        stage.inputs.push_back(buffer_view(buffers::minimum, minimum_.view()));
     }
-    stage.outputs = {buffer_view(reference::buffers::child_counts, child_counts_.view()),
-                     buffer_view(reference::buffers::child_queue, child_queue_.view())};
+    stage.outputs = {buffer_view(buffers::child_counts, child_counts_.view()),
+                     buffer_view(buffers::child_queue, child_queue_.view())};
     show_hits(stage, false);
+    if (alone_ && parameters_.early_out == EarlyOut::level) {
+        stage.outputs.push_back(buffer_view(buffers::lowered, lowered_.view()));
+    } else if (alone_ && parameters_.early_out == EarlyOut::immediate) {
+        stage.outputs.push_back(buffer_view(buffers::minimum, minimum_.view()));
+    }
     log_.show(stage);
 }
 

@@ -11,6 +11,7 @@
 #include "emulation/host/pipeline.h"
 #include "emulation/kernels/views.h"
 #include "reference/contract/pipeline_parameters.h"
+#include "reference/contract/stage_inputs.h"
 #include "reference/contract/wide_bvh.h"
 
 namespace scotty::emulation {
@@ -33,9 +34,15 @@ class Traversal {
     void run(std::span<const reference::Ray> rays, TraversalKind kind, StagePlace place,
              std::span<reference::Hit> merged);
 
+    /// One stage of a traversal alone, as reference::PipelineInterface::run_stage; shown to the
+    /// log's observer.
+    void run_stage(const reference::StageView& stage);
+
     std::size_t device_bytes() const;
 
  private:
+    void load_level(const reference::StageView& stage);
+    void load_hits(const reference::StageBuffers& in, std::size_t rays);
     void reset(std::span<const reference::Ray> rays, TraversalKind kind);
     void reset_hits(const StagePlace& place);
     void run_levels(StagePlace place);
@@ -69,6 +76,7 @@ class Traversal {
     std::span<const reference::Ray> rays_;
     TraversalKind kind_ = TraversalKind::closest;
     std::uint64_t entries_ = 0;  ///< in this level's queues
+    bool alone_ = false;         ///< run_stage(): what a level lowers is shown, too
 
     DeviceBuffer<std::uint32_t> node_counts_{device_, "queue lengths"};
     DeviceBuffer<std::uint32_t> child_counts_{device_, "queue lengths"};

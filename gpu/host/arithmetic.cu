@@ -4,7 +4,6 @@
 namespace scotty::gpu::fast {
 
 MakePipeline make_pipeline;
-RunStage run_stage;
 
 }  // namespace scotty::gpu::fast
 
@@ -32,15 +31,6 @@ std::unique_ptr<Pipeline> make_pipeline(const reference::Scene& scene,
     expect_device();
     return is_fast(parameters) ? fast::make_pipeline(scene, bvh, parameters, options, observer)
                                : exact::make_pipeline(scene, bvh, parameters, options, observer);
-}
-
-std::vector<reference::OwnedBuffer> run_stage(const reference::Scene& scene,
-                                              const reference::WideBvh& bvh,
-                                              const reference::PipelineParameters& parameters,
-                                              const reference::StageView& stage) {
-    expect_device();
-    return is_fast(parameters) ? fast::run_stage(scene, bvh, parameters, stage)
-                               : exact::run_stage(scene, bvh, parameters, stage);
 }
 
 }  // namespace scotty::gpu

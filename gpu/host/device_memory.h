@@ -56,6 +56,10 @@ class DeviceMemory {
         if (host.empty()) return;
         check(cudaMemcpy(memory_, host.data(), host.size_bytes(), cudaMemcpyHostToDevice), name);
     }
+    void fill_bytes(int byte) {
+        if (count_ == 0) return;
+        check(cudaMemset(memory_, byte, count_ * sizeof(T)), "filling device memory");
+    }
     void release() {
         if (memory_ != nullptr) cudaFree(memory_);
         budget_->used -= capacity_ * sizeof(T);
@@ -72,6 +76,13 @@ class DeviceMemory {
     std::size_t count_ = 0;
     std::size_t capacity_ = 0;
 };
+
+/// Into the middle of an array.
+template <class T>
+void upload_to(T* device, std::span<const T> host, const char* name) {
+    if (host.empty()) return;
+    check(cudaMemcpy(device, host.data(), host.size_bytes(), cudaMemcpyHostToDevice), name);
+}
 
 template <class T>
 std::vector<T> download(const T* device, std::size_t count, const char* name) {

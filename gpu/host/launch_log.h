@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "gpu/host/cuda_error.h"
@@ -74,6 +75,10 @@ class LaunchLog {
         pending_.clear();
     }
 
+    /// Shows what follows to another observer, and hands back the one before.
+    reference::StageObserver* exchange_observer(reference::StageObserver* observer) {
+        return std::exchange(observer_, observer);
+    }
     bool observed() const { return observer_ != nullptr; }
     bool wants(reference::StageKind kind) const {
         return observer_ != nullptr && observer_->wants(kind);

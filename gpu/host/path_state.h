@@ -1,15 +1,13 @@
 /// State of the paths in flight, in device memory, and host copies of it for observers.
 #pragma once
 
-#include <cstring>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "gpu/host/device_memory.h"
 #include "gpu/kernels/dialect.h"
 #include "gpu/kernels/views.h"
-#include "reference/contract/stage_observer.h"
+#include "reference/contract/stage_inputs.h"
 
 namespace SCOTTY_DEVICE_NAMESPACE {
 
@@ -29,26 +27,41 @@ struct PathState {
           image(budget),
           filtered(budget) {}
 
-    /// Calls f(name, buffer) for every buffer that is indexed by ray id.
+    /// Calls f(handle, buffer) for every buffer that has a row per ray.
     template <class F>
     void for_each_by_ray(F&& f) {
-        f("rays", rays);
-        f("shadow_rays", shadow_rays);
-        f("throughput", throughput);
-        f("radiance", radiance);
-        f("potential", potential);
-        f("pixel", pixel);
-        f("sample", sample);
-        f("depth", depth);
-        f("flags", flags);
-        f("path_hits", path_hits);
-        f("shadow_hits", shadow_hits);
+        namespace buffers = reference::buffers;
+        f(buffers::rays, rays);
+        f(buffers::shadow_rays, shadow_rays);
+        f(buffers::throughput, throughput);
+        f(buffers::radiance, radiance);
+        f(buffers::potential, potential);
+        f(buffers::pixel, pixel);
+        f(buffers::sample, sample);
+        f(buffers::depth, depth);
+        f(buffers::flags, flags);
+        f(buffers::path_hits, path_hits);
+        f(buffers::shadow_hits, shadow_hits);
     }
-    void resize(std::uint32_t count) {
-        for_each_by_ray([&](const char* name, auto& buffer) { buffer.resize(count, name); });
+    void resize(std::size_t count) {
+        for_each_by_ray(
+            [&](const auto& of, auto& buffer) { buffer.resize(count, of.name.data()); });
+    }
+    /// What the stage, which is run alone, reads is taken from its view; the rest has the size of
+    /// it, filled with 0xff bytes, so that what the kernel leaves alone shows.
+    void load(const reference::StageView& stage, std::size_t count) {
+        const reference::StageBuffers in(stage);
+        for_each_by_ray([&](const auto& of, auto& buffer) {
+            if (reference::reads(stage.kind, of)) {
+                buffer.upload(in.input(of, count), of.name.data());
+            } else {
+                buffer.resize(count, of.name.data());
+                buffer.fill_bytes(0xff);
+            }
+        });
     }
     void release() {
-        for_each_by_ray([](const char*, auto& buffer) { buffer.release(); });
+        for_each_by_ray([](const auto&, auto& buffer) { buffer.release(); });
         image.release();
         filtered.release();
     }
@@ -70,24 +83,24 @@ class HostPathState {
  public:
     explicit HostPathState(PathState& device) : device_(device) {}
 
-    reference::BufferView view(const char* wanted) {
+    reference::BufferView view(const reference::BufferInfo& wanted) {
         reference::BufferView result;
-        const auto copy = [&](const char* name, auto& buffer) {
-            if (std::strcmp(name, wanted) == 0) result = copied(name, buffer);
+        const auto copy = [&](const auto& of, auto& buffer) {
+            if (of.name == wanted.name) result = copied(of, buffer);
         };
         device_.for_each_by_ray(copy);
-        copy("image", device_.image);
-        copy("filtered", device_.filtered);
+        copy(reference::buffers::image, device_.image);
+        copy(reference::buffers::filtered, device_.filtered);
         return result;
     }
 
  private:
     template <class T>
-    reference::BufferView copied(const char* name, const DeviceMemory<T>& buffer) {
-        auto host = std::make_shared<std::vector<T>>(download(buffer.data(), buffer.size(), name));
+    reference::BufferView copied(const reference::Buffer<T>& of, const DeviceMemory<T>& buffer) {
+        auto host = std::make_shared<std::vector<T>>(
+            download(buffer.data(), buffer.size(), of.name.data()));
         kept_.push_back(host);
-        return reference::buffer_view(name, std::span<const T>(*host),
-                                      reference::buffer_info(name).meaning);
+        return reference::buffer_view(of, std::span<const T>(*host));
     }
 
     PathState& device_;

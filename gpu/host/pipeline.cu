@@ -90,6 +90,7 @@ class DevicePipeline final : public Pipeline {
     reference::Image render() override;
     void trace(std::span<const Ray> rays, TraversalKind kind, std::span<Hit> hits) override;
     double time_trace(std::span<const Ray> rays, TraversalKind kind, int repeats) override;
+    std::vector<reference::OwnedBuffer> run_stage(const StageView& stage) override;
     const std::vector<LaunchRecord>& launches() override {
         log_.resolve_times();
         return log_.records();
@@ -110,9 +111,11 @@ class DevicePipeline final : public Pipeline {
     void launch_scene_rays(const StagePlace& place);
     void launch_reconstruct(const StagePlace& place, const BatchView& batch);
     void launch_filter();
-    void show(StageKind kind, const StagePlace& place, std::uint32_t threads,
-              std::initializer_list<const char*> inputs,
-              std::initializer_list<const char*> outputs);
+    /// Launches it, on inputs that are read from its view.
+    void launch_alone(const StageView& stage);
+    void load_image(const StageView& stage);
+    /// Shows the buffers that the stage's table names.
+    void show(StageKind kind, const StagePlace& place, std::uint32_t threads);
 
     PipelineParameters parameters_;
     reference::PathParameters path_;
@@ -204,8 +207,7 @@ void DevicePipeline::launch_primary_rays(const StagePlace& place, const BatchVie
                  SCOTTY_LAUNCH(primary_rays, item_blocks(batch.pixels), kItemThreads, stream_.get(),
                                batch, scene_.view().camera, path_, paths_.view());
              });
-    show(StageKind::primary_rays, place, batch.pixels, {},
-         {"rays", "throughput", "radiance", "potential", "pixel", "sample", "depth", "flags"});
+    show(StageKind::primary_rays, place, batch.pixels);
 }
 
 void DevicePipeline::launch_direct_light(const StagePlace& place) {
@@ -215,8 +217,7 @@ void DevicePipeline::launch_direct_light(const StagePlace& place) {
                       scene_.view(), path_, place.bounce, place.light, paths_.view(),
                       paths_.path_hits.data(), paths_.shadow_rays.data());
     });
-    show(StageKind::direct_light_rays, place, count, {"rays", "path_hits", "throughput", "flags"},
-         {"shadow_rays", "potential"});
+    show(StageKind::direct_light_rays, place, count);
 }
 
 void DevicePipeline::launch_resolve_light(const StagePlace& place) {
@@ -225,8 +226,7 @@ void DevicePipeline::launch_resolve_light(const StagePlace& place) {
         SCOTTY_LAUNCH(resolve_light, item_blocks(count), kItemThreads, stream_.get(), count,
                       paths_.shadow_rays.data(), paths_.shadow_hits.data(), paths_.view());
     });
-    show(StageKind::resolve_light, place, count, {"shadow_rays", "shadow_hits", "potential"},
-         {"radiance"});
+    show(StageKind::resolve_light, place, count);
 }
 
 void DevicePipeline::launch_scene_rays(const StagePlace& place) {
@@ -235,8 +235,7 @@ void DevicePipeline::launch_scene_rays(const StagePlace& place) {
         SCOTTY_LAUNCH(scene_rays, item_blocks(count), kItemThreads, stream_.get(), count,
                       scene_.view(), path_, place.bounce, paths_.path_hits.data(), paths_.view());
     });
-    show(StageKind::scene_rays, place, count, {"path_hits"},
-         {"rays", "throughput", "radiance", "flags", "depth"});
+    show(StageKind::scene_rays, place, count);
 }
 
 void DevicePipeline::launch_reconstruct(const StagePlace& place, const BatchView& batch) {
@@ -246,7 +245,7 @@ void DevicePipeline::launch_reconstruct(const StagePlace& place, const BatchView
                                stream_.get(), batch, parameters_.spp, paths_.radiance.data(),
                                paths_.image.data());
              });
-    show(StageKind::reconstruct_image, place, batch.pixels, {"radiance", "pixel"}, {"image"});
+    show(StageKind::reconstruct_image, place, batch.pixels);
 }
 
 void DevicePipeline::launch_filter() {
@@ -270,22 +269,80 @@ void DevicePipeline::launch_filter() {
                 break;
         }
     });
-    show(StageKind::filter, {}, pixels, {"image"}, {"filtered"});
+    show(StageKind::filter, {}, pixels);
     swap(paths_.image, paths_.filtered);
 }
 
-void DevicePipeline::show(StageKind kind, const StagePlace& place, std::uint32_t threads,
-                          std::initializer_list<const char*> inputs,
-                          std::initializer_list<const char*> outputs) {
+void DevicePipeline::show(StageKind kind, const StagePlace& place, std::uint32_t threads) {
     if (!log_.wants(kind)) return;
     StageView stage = log_.stage(kind, place, item_blocks(threads), kItemThreads);
     if (kind == StageKind::filter) {
         stage.name = std::string("filter_") + reference::to_string(parameters_.filter);
     }
     HostPathState host(paths_);
-    for (const char* name : inputs) stage.inputs.push_back(host.view(name));
-    for (const char* name : outputs) stage.outputs.push_back(host.view(name));
+    const reference::StageInfo& info = reference::stage_info(kind);
+    for (const auto& input : info.inputs) stage.inputs.push_back(host.view(*input.buffer));
+    for (const auto& output : info.outputs) stage.outputs.push_back(host.view(*output.buffer));
     log_.show(stage);
+}
+
+std::vector<reference::OwnedBuffer> DevicePipeline::run_stage(const StageView& stage) {
+    reference::StageOutputs outputs;
+    reference::StageObserver* const observer = log_.exchange_observer(&outputs);
+    try {
+        launch_alone(stage);
+    } catch (...) {
+        log_.exchange_observer(observer);
+        throw;
+    }
+    log_.exchange_observer(observer);
+    return std::move(outputs).take();
+}
+
+void DevicePipeline::launch_alone(const StageView& stage) {
+    const reference::StageBuffers in(stage);
+    const StagePlace place = reference::place_of(stage);
+    BatchView batch;
+    switch (stage.kind) {
+        case StageKind::primary_rays:
+            batch = reference::batch_of(parameters_, stage);
+            paths_.load(stage, std::size_t{batch.pixels} * batch.samples);
+            launch_primary_rays(place, batch);
+            break;
+        case StageKind::direct_light_rays:
+        case StageKind::scene_rays:
+            paths_.load(stage, in.input(reference::buffers::rays).size());
+            reference::path_hits_of_scene(in, paths_.count(), scene_.view().triangle_count);
+            if (stage.kind == StageKind::scene_rays) {
+                launch_scene_rays(place);
+            } else {
+                launch_direct_light(place);
+            }
+            break;
+        case StageKind::resolve_light:
+            paths_.load(stage, in.input(reference::buffers::shadow_rays).size());
+            launch_resolve_light(place);
+            break;
+        case StageKind::reconstruct_image:
+            batch = reference::batch_of(parameters_, stage);
+            paths_.load(stage, std::size_t{batch.pixels} * batch.samples);
+            load_image(stage);
+            launch_reconstruct(place, batch);
+            break;
+        case StageKind::filter:
+            load_image(stage);
+            launch_filter();
+            break;
+        default:
+            traversal_.run_stage(stage, trace_rays_, trace_hits_);
+            break;
+    }
+}
+
+void DevicePipeline::load_image(const StageView& stage) {
+    const std::size_t pixels = std::size_t{parameters_.image_width} * parameters_.image_height;
+    paths_.image.upload(reference::StageBuffers(stage).input(reference::buffers::image, pixels),
+                        "the image");
 }
 
 void DevicePipeline::trace(std::span<const Ray> rays, TraversalKind kind, std::span<Hit> hits) {

@@ -1,4 +1,4 @@
-/// What one build of the kernels offers to make_pipeline() and run_stage() of pipeline.h.
+/// What one build of the kernels offers to make_pipeline() of pipeline.h.
 #pragma once
 
 #include "gpu/host/pipeline.h"
@@ -9,16 +9,11 @@ namespace scotty::gpu {
 using MakePipeline = std::unique_ptr<Pipeline>(const reference::Scene&, const reference::WideBvh&,
                                                const reference::PipelineParameters&,
                                                const PipelineOptions&, reference::StageObserver*);
-using RunStage = std::vector<reference::OwnedBuffer>(const reference::Scene&,
-                                                     const reference::WideBvh&,
-                                                     const reference::PipelineParameters&,
-                                                     const reference::StageView&);
 
 }  // namespace scotty::gpu
 
 namespace SCOTTY_DEVICE_NAMESPACE {
 
 MakePipeline make_pipeline;
-RunStage run_stage;
 
 }  // namespace SCOTTY_DEVICE_NAMESPACE

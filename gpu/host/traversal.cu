@@ -14,6 +14,7 @@
 
 namespace SCOTTY_DEVICE_NAMESPACE {
 
+namespace buffers = reference::buffers;
 using reference::EarlyOut;
 using reference::HitMode;
 using reference::StageKind;
@@ -176,13 +177,17 @@ void Traversal::clear(const StagePlace& place) {
     }
 }
 
-bool Traversal::launch_level(const StagePlace& place) {
-    const LevelView level = level_view(place.level);
+void Traversal::launch_scan(const StagePlace& place, const LevelView& level) {
     const std::uint32_t tiles = scan_blocks_of(place.level);
     log_.run(StageKind::scan_counts, place, tiles, level.node_count, stream_, [&] {
         SCOTTY_LAUNCH(scan_counts, tiles, kScanThreads, stream_, level,
                       static_cast<std::uint32_t>(parameters_.rays_per_block));
     });
+}
+
+bool Traversal::launch_level(const StagePlace& place) {
+    const LevelView level = level_view(place.level);
+    launch_scan(place, level);
     if (log_.observed() && overflowed()) return false;
     if (log_.wants(StageKind::scan_counts)) show_scan(place, level);
     discard_slots(child_queue_.data(), child_queue_.size() * 4);
@@ -246,6 +251,96 @@ void Traversal::launch_merge(const StagePlace& place, reference::Hit* merged) {
                       scene_.view(), rays_, hit_view(), merged);
     });
     if (log_.wants(StageKind::merge_intersections)) show_merge(place, merged);
+}
+
+void Traversal::run_stage(const reference::StageView& stage, DeviceMemory<reference::Ray>& rays,
+                          DeviceMemory<reference::Hit>& merged) {
+    const reference::StageBuffers in(stage);
+    const StagePlace place = reference::place_of(stage);
+    kind_ = reference::traversal_kind_of(stage, parameters_);
+    coherent_ = false;
+    final_hits_ = {};
+    alone_ = true;
+    prepare_levels();
+    // Not by the kernel that clears before a traversal: what is run here is one launch.
+    node_counts_.fill_bytes(0);
+    scans_.fill_bytes(0);
+    faults_.fill_bytes(0);
+    if (stage.kind != StageKind::scan_counts && stage.kind != StageKind::publish_minimum) {
+        rays.upload(in.input(buffers::rays), "rays");
+        rays_ = rays.data();
+        count_ = static_cast<std::uint32_t>(rays.size());
+    }
+    switch (stage.kind) {
+        case StageKind::scan_counts:
+            load_scan(stage);
+            launch_scan(place, level_view(place.level));
+            show_scan(place, level_view(place.level));
+            break;
+        case StageKind::publish_minimum:
+            lowered_.upload(in.input(buffers::lowered), "minimum distances");
+            minimum_.resize(lowered_.size(), "minimum distances");
+            minimum_.fill_bytes(0xff);
+            count_ = static_cast<std::uint32_t>(lowered_.size());
+            launch_publish(place);
+            break;
+        case StageKind::merge_intersections:
+            load_hits(stage);
+            expect_primitives(in, gathered_hits(in, parameters_, count_),
+                              scene_.view().triangle_count);
+            merged.resize(count_, "hits");
+            merged.fill_bytes(0xff);
+            launch_merge(place, merged.data());
+            break;
+        default:
+            load_level(stage);
+            launch_kernel(place, level_view(place.level));
+            show_level(place, level_view(place.level));
+            break;
+    }
+    alone_ = false;
+    queue_capacity_ = 0;
+    hit_capacity_ = parameters_.hit_capacity;
+}
+
+void Traversal::load_scan(const reference::StageView& stage) {
+    const reference::LevelNodes nodes = nodes_of(scene_.level_begins(), stage);
+    queue_capacity_ = 0xffffffffu;  // nothing is pushed
+    upload_to(node_counts_.data() + nodes.first,
+              reference::StageBuffers(stage).input(buffers::node_counts, nodes.count),
+              "queue lengths");
+    block_offsets_.fill_bytes(0xff);
+    queue_offsets_.fill_bytes(0xff);
+}
+
+void Traversal::load_level(const reference::StageView& stage) {
+    const reference::StageBuffers in(stage);
+    const reference::LevelNodes nodes = nodes_of(scene_.level_begins(), stage);
+    const reference::LevelInput level = reference::level_input(in, nodes, parameters_, stage);
+    const std::uint32_t begin = nodes.first + stage.level;  // of the level's offsets
+    upload_to(node_counts_.data() + nodes.first, level.node_counts, "queue lengths");
+    upload_to(queue_offsets_.data() + begin, level.queue_offsets, "queue offsets");
+    upload_to(block_offsets_.data() + begin, level.block_offsets, "block offsets");
+    upload_to(queue_offsets_.data() + nodes.first_child + stage.level + 1, level.child_offsets,
+              "queue offsets");
+    queue_.upload(level.queue, "ray queues");
+    queue_capacity_ = level.child_offsets.back();
+    child_queue_.resize(level.child_offsets.back(), "ray queues");
+    child_queue_.fill_bytes(0xff);
+    if (culls()) minimum_.upload(in.input(buffers::minimum, count_), "minimum distances");
+    if (parameters_.early_out == EarlyOut::level) {
+        lowered_.upload(in.input(buffers::lowered, count_), "minimum distances");
+    }
+    load_hits(stage);
+}
+
+void Traversal::load_hits(const reference::StageView& stage) {
+    const reference::StageBuffers in(stage);
+    const reference::GatheredHits hits = reference::gathered_hits(in, parameters_, count_);
+    hit_capacity_ = hits.capacity;
+    hit_counts_.upload(hits.counts, "hit counts");
+    candidates_.upload(hits.candidates, "the multi-intersection buffer");
+    packed_.upload(hits.packed, "packed hits");
 }
 
 bool Traversal::overflowed() const {

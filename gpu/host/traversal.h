@@ -16,6 +16,7 @@
 #include "gpu/kernels/intersect_subtrees.h"
 #include "gpu/kernels/views.h"
 #include "reference/contract/pipeline_parameters.h"
+#include "reference/contract/stage_inputs.h"
 
 namespace SCOTTY_DEVICE_NAMESPACE {
 
@@ -49,6 +50,11 @@ class Traversal {
     void enqueue(const TracedRays& traced, const reference::StagePlace& place,
                  const FinalHits& hits);
 
+    /// One stage of a traversal alone, as reference::PipelineInterface::run_stage; shown to the
+    /// log's observer. Rays and merged hits live in the memory that is handed in.
+    void run_stage(const reference::StageView& stage, DeviceMemory<reference::Ray>& rays,
+                   DeviceMemory<reference::Hit>& merged);
+
     /// Without queues a ray's hit is final when its launch ends: nothing is buffered, and what
     /// nobody looks at is neither merged nor resolved in a launch of its own.
     bool is_one_launch() const { return !log_.observed() && scene_.is_level_of_subtrees(0); }
@@ -59,6 +65,10 @@ class Traversal {
     void prepare_levels();
     void prepare_rays(std::uint32_t count);
     void clear(const reference::StagePlace& place);
+    void load_scan(const reference::StageView& stage);
+    void load_level(const reference::StageView& stage);
+    void load_hits(const reference::StageView& stage);
+    void launch_scan(const reference::StagePlace& place, const LevelView& level);
     /// False, and the level not shown, where something was too small. Only an observed traversal
     /// looks; one that is not finds out at its end.
     bool launch_level(const reference::StagePlace& place);
@@ -94,6 +104,7 @@ class Traversal {
     reference::TraversalKind kind_ = reference::TraversalKind::closest;
     bool coherent_ = false;
     FinalHits final_hits_;  ///< of a traversal of one launch
+    bool alone_ = false;    ///< run_stage(): what a level lowers is shown, too
 
     std::size_t queue_capacity_ = 0;
     std::uint32_t hit_capacity_;

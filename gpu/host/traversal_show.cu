@@ -95,6 +95,13 @@ void Traversal::show_level(const StagePlace& place, const LevelView& level) {
             buffer_view(buffers::hits, std::span<const reference::HitCandidate>(candidates)));
         stage.outputs.back().shape = {count_, hit_capacity_, 2};
     }
+    std::vector<float> lowered;
+    if (alone_ && culls()) {
+        const bool by_level = parameters_.early_out == EarlyOut::level;
+        lowered = download(by_level ? lowered_.data() : minimum_.data(), count_, "lowered");
+        stage.outputs.push_back(buffer_view(by_level ? buffers::lowered : buffers::minimum,
+                                            std::span<const float>(lowered)));
+    }
     log_.show(stage);
 }
 

@@ -2,12 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <array>
-#include <span>
-#include <string_view>
-#include <utility>
+#include <algorithm>
+#include <charconv>
 
 #include "reference/base/error.h"
+#include "reference/contract/parameter_table.h"
 
 namespace scotty::reference {
 namespace {
@@ -15,115 +14,128 @@ namespace {
 /// More pixels than this are taken for a slip of the keyboard: the image alone is 3 GiB.
 constexpr std::uint64_t kMaxPixels = 1ull << 28;
 
+/// A negative value is printed as it was given.
+std::string shown(const ParameterInfo& info, std::uint64_t value) {
+    const bool negative = value >> 63 != 0 && info.high < value;
+    return negative ? std::to_string(static_cast<std::int64_t>(value)) : std::to_string(value);
+}
+
+void expect_valid(const ParameterInfo& info, std::uint64_t value) {
+    if (!info.words.empty()) return;
+    const bool listed = std::find(info.only.begin(), info.only.end(), value) != info.only.end();
+    const bool in_range = info.low <= value && value <= info.high;
+    if (info.only.empty() ? in_range && value % info.multiple_of == 0 : listed) return;
+    throw Error::bad_input(
+        std::string(info.title),
+        fmt::format("expected {}, found {}", valid_values(info), shown(info, value)));
+}
+
 template <class Enum>
-struct Word {
-    Enum value;
-    const char* word;
-};
+const char* word_of(const ParameterInfo& info, Enum value) {
+    const auto index = static_cast<std::size_t>(value);
+    return index < info.words.size() ? info.words[index] : "(invalid)";
+}
 
-constexpr std::array kEarlyOutWords{Word<EarlyOut>{EarlyOut::off, "off"},
-                                    Word<EarlyOut>{EarlyOut::level, "level"},
-                                    Word<EarlyOut>{EarlyOut::immediate, "immediate"}};
-constexpr std::array kBlockOrderWords{Word<BlockOrder>{BlockOrder::linear, "linear"},
-                                      Word<BlockOrder>{BlockOrder::strided, "strided"}};
-constexpr std::array kHitModeWords{Word<HitMode>{HitMode::buffer, "buffer"},
-                                   Word<HitMode>{HitMode::packed, "packed"}};
-constexpr std::array kShadowQueryWords{Word<ShadowQuery>{ShadowQuery::any, "any"},
-                                       Word<ShadowQuery>{ShadowQuery::closest, "closest"}};
-constexpr std::array kFilterWords{
-    Word<Filter>{Filter::none, "none"}, Word<Filter>{Filter::gaussian, "gaussian"},
-    Word<Filter>{Filter::bilateral, "bilateral"}, Word<Filter>{Filter::median, "median"}};
-constexpr std::array kArithmeticWords{Word<Arithmetic>{Arithmetic::exact, "exact"},
-                                      Word<Arithmetic>{Arithmetic::fast, "fast"}};
-
-template <class Enum, std::size_t Count>
-const char* word_of(const std::array<Word<Enum>, Count>& words, Enum value) {
-    for (const auto& entry : words) {
-        if (entry.value == value) return entry.word;
+std::uint64_t value_of(const ParameterInfo& info, const std::string& word) {
+    for (std::size_t i = 0; i < info.words.size(); ++i) {
+        if (word == info.words[i]) return i;
     }
-    return "(invalid)";
+    throw Error::bad_input(std::string(info.title),
+                           fmt::format("expected one of {}, found '{}'", valid_values(info), word));
 }
 
-template <class Enum, std::size_t Count>
-Enum value_of(const std::array<Word<Enum>, Count>& words, std::string_view parameter,
-              const std::string& word) {
-    std::string valid;
-    for (const auto& entry : words) {
-        if (word == entry.word) return entry.value;
-        valid += (valid.empty() ? "" : ", ") + std::string(entry.word);
+std::uint64_t number_of(const ParameterInfo& info, const std::string& text) {
+    std::uint64_t value = 0;
+    std::int64_t below_zero = 0;
+    const bool negative = text.starts_with('-');
+    const char* const end = text.data() + text.size();
+    const auto [rest, error] = negative ? std::from_chars(text.data(), end, below_zero)
+                                        : std::from_chars(text.data(), end, value);
+    if (error != std::errc() || rest != end) {
+        throw Error::bad_input(
+            std::string(info.title),
+            fmt::format("expected a number, {}, found '{}'", valid_values(info), text));
     }
-    throw Error::bad_input(std::string(parameter),
-                           fmt::format("expected one of {}, found '{}'", valid, word));
-}
-
-void expect_range(std::string_view parameter, std::uint64_t value, std::uint64_t low,
-                  std::uint64_t high) {
-    if (low <= value && value <= high) return;
-    throw Error::bad_input(std::string(parameter),
-                           fmt::format("expected {}..{}, found {}", low, high, value));
-}
-
-/// The same for signed parameters, so that a negative value is printed as it was given.
-void expect_int_range(std::string_view parameter, int value, int low, int high) {
-    if (low <= value && value <= high) return;
-    throw Error::bad_input(std::string(parameter),
-                           fmt::format("expected {}..{}, found {}", low, high, value));
+    return negative ? static_cast<std::uint64_t>(below_zero) : value;
 }
 
 }  // namespace
 
+std::string valid_values(const ParameterInfo& info) {
+    if (!info.words.empty()) return fmt::format("{}", fmt::join(info.words, ", "));
+    if (!info.only.empty()) {
+        return fmt::format("{} or {}", fmt::join(info.only.first(info.only.size() - 1), ", "),
+                           info.only.back());
+    }
+    std::string text = fmt::format("{}..{}", info.low, info.high);
+    if (info.multiple_of != 1) text += fmt::format(", a multiple of {}", info.multiple_of);
+    if (info.zero_is_all) text += " (0: all)";
+    return text;
+}
+
+std::string text_of(const ParameterInfo& info, const PipelineParameters& parameters) {
+    const std::uint64_t value = info.get(parameters);
+    return info.words.empty() ? shown(info, value) : word_of(info, value);
+}
+
+void set_from_text(const ParameterInfo& info, PipelineParameters& parameters,
+                   const std::string& text) {
+    const std::uint64_t value = info.words.empty() ? number_of(info, text) : value_of(info, text);
+    expect_valid(info, value);
+    info.set(parameters, value);
+}
+
+std::string options_of(const PipelineParameters& parameters,
+                       std::span<const ParameterGroup> groups) {
+    std::string text;
+    for (const ParameterInfo& info : kParameters) {
+        if (std::find(groups.begin(), groups.end(), info.group) == groups.end()) continue;
+        if (info.name == "image_height") continue;  // --size says both
+        const std::string value =
+            info.name == "image_width"
+                ? fmt::format("{}x{}", parameters.image_width, parameters.image_height)
+                : text_of(info, parameters);
+        text += fmt::format("{}{} {}", text.empty() ? "" : " ", info.option, value);
+    }
+    return text;
+}
+
 void validate(const PipelineParameters& p) {
-    expect_range("image width", p.image_width, 1, 65536);
-    expect_range("image height", p.image_height, 1, 65536);
-    const std::uint64_t pixels = std::uint64_t{p.image_width} * p.image_height;
-    if (pixels > kMaxPixels) {
+    for (const ParameterInfo& info : kParameters) {
+        expect_valid(info, info.get(p));
+        const std::uint64_t pixels = std::uint64_t{p.image_width} * p.image_height;
+        if (info.name != "image_height" || pixels <= kMaxPixels) continue;
         throw Error::bad_input(
             "image size", fmt::format("expected at most {} pixels, found {}x{} = {} pixels; render "
                                       "it in parts or smaller",
                                       kMaxPixels, p.image_width, p.image_height, pixels));
     }
-    expect_range("samples per pixel", p.spp, 1, 1u << 20);
-    expect_range("bounces", p.bounces, 0, 64);
-    expect_range("light samples", p.light_samples, 0, 64);
-    if (p.width != 2 && p.width != 4 && p.width != 8 && p.width != 16) {
-        throw Error::bad_input("tree width",
-                               fmt::format("expected 2, 4, 8 or 16, found {}", p.width));
-    }
-    expect_int_range("rays per block", p.rays_per_block, 32, 1024);
-    if (p.rays_per_block % 32 != 0) {
-        throw Error::bad_input(
-            "rays per block",
-            fmt::format("expected a multiple of 32 (whole warps), found {}", p.rays_per_block));
-    }
-    expect_int_range("triangles a leaf", p.max_leaf_size, 1, 64);
-    if (p.queue_levels != 0) expect_range("queue levels (0: all)", p.queue_levels, 1, 64);
-    expect_range("hit capacity", p.hit_capacity, 1, 65536);
-    expect_range("rays a batch", p.batch_rays, 1, 1u << 28);
-    expect_range("samples a pass (0: all)", p.samples_per_pass, 0, 1u << 20);
 }
 
-const char* to_string(EarlyOut value) { return word_of(kEarlyOutWords, value); }
-const char* to_string(BlockOrder value) { return word_of(kBlockOrderWords, value); }
-const char* to_string(HitMode value) { return word_of(kHitModeWords, value); }
-const char* to_string(ShadowQuery value) { return word_of(kShadowQueryWords, value); }
-const char* to_string(Filter value) { return word_of(kFilterWords, value); }
-const char* to_string(Arithmetic value) { return word_of(kArithmeticWords, value); }
+const char* to_string(EarlyOut value) { return word_of(parameter("early_out"), value); }
+const char* to_string(BlockOrder value) { return word_of(parameter("block_order"), value); }
+const char* to_string(HitMode value) { return word_of(parameter("hit_mode"), value); }
+const char* to_string(ShadowQuery value) { return word_of(parameter("shadow_query"), value); }
+const char* to_string(Filter value) { return word_of(parameter("filter"), value); }
+const char* to_string(Arithmetic value) { return word_of(parameter("arithmetic"), value); }
 
 EarlyOut parse_early_out(const std::string& word) {
-    return value_of(kEarlyOutWords, "early-out", word);
+    return static_cast<EarlyOut>(value_of(parameter("early_out"), word));
 }
 BlockOrder parse_block_order(const std::string& word) {
-    return value_of(kBlockOrderWords, "block order", word);
+    return static_cast<BlockOrder>(value_of(parameter("block_order"), word));
 }
 HitMode parse_hit_mode(const std::string& word) {
-    return value_of(kHitModeWords, "hit mode", word);
+    return static_cast<HitMode>(value_of(parameter("hit_mode"), word));
 }
 ShadowQuery parse_shadow_query(const std::string& word) {
-    return value_of(kShadowQueryWords, "shadow query", word);
+    return static_cast<ShadowQuery>(value_of(parameter("shadow_query"), word));
 }
-Filter parse_filter(const std::string& word) { return value_of(kFilterWords, "filter", word); }
+Filter parse_filter(const std::string& word) {
+    return static_cast<Filter>(value_of(parameter("filter"), word));
+}
 Arithmetic parse_arithmetic(const std::string& word) {
-    return value_of(kArithmeticWords, "arithmetic", word);
+    return static_cast<Arithmetic>(value_of(parameter("arithmetic"), word));
 }
 
 }  // namespace scotty::reference

@@ -79,16 +79,27 @@ void StageBuffers::expect_count(std::string_view name, std::size_t expected,
     }
 }
 
-LevelNodes nodes_of(const WideBvh& bvh, const StageView& stage) {
-    const auto& begins = bvh.level_begins;
+StagePlace place_of(const StageView& stage) {
+    StagePlace place{stage.batch, false, stage.bounce, stage.light, stage.level};
+    place.several_batches = stage.name != place.name(stage.kind);
+    return place;
+}
+
+TraversalKind traversal_kind_of(const StageView& stage, const PipelineParameters& parameters) {
+    const bool any = stage.light != kNotApplicable && parameters.shadow_query == ShadowQuery::any;
+    return any ? TraversalKind::any : TraversalKind::closest;
+}
+
+LevelNodes nodes_of(std::span<const std::uint32_t> level_begins, const StageView& stage) {
+    const std::size_t levels = level_begins.size() - 1;
     const std::uint32_t level = stage.level;
-    if (level >= bvh.level_count()) {
-        throw Error::bad_input(stage.name, fmt::format("the BVH has {} levels, so no level {}",
-                                                       bvh.level_count(), level));
+    if (level >= levels) {
+        throw Error::bad_input(stage.name,
+                               fmt::format("the BVH has {} levels, so no level {}", levels, level));
     }
-    const bool last = level + 1 == bvh.level_count();
-    return {begins[level], begins[level + 1] - begins[level], begins[level + 1],
-            last ? 0 : begins[level + 2] - begins[level + 1]};
+    const std::uint32_t next = level_begins[level + 1];
+    return {level_begins[level], next - level_begins[level], next,
+            level + 1 == levels ? 0 : level_begins[level + 2] - next};
 }
 
 LevelInput level_input(const StageBuffers& buffers, const LevelNodes& nodes,
@@ -117,17 +128,17 @@ GatheredHits gathered_hits(const StageBuffers& buffers, const PipelineParameters
                            std::size_t rays) {
     GatheredHits hits;
     if (parameters.hit_mode == HitMode::packed) {
-        hits.packed = buffers.copy(reference::buffers::packed_hits, rays);
+        hits.packed = buffers.input(reference::buffers::packed_hits, rays);
         return hits;
     }
-    hits.counts = buffers.copy(reference::buffers::hit_counts, rays);
+    hits.counts = buffers.input(reference::buffers::hit_counts, rays);
     const auto candidates = buffers.input(reference::buffers::hits);
     if (rays == 0 || candidates.size() % rays != 0) {
         buffers.fail("hits", fmt::format("expected the same number of slots for each of {} "
                                          "rays, found {} slots",
                                          rays, candidates.size()));
     }
-    hits.candidates.assign(candidates.begin(), candidates.end());
+    hits.candidates = candidates;
     hits.capacity = static_cast<std::uint32_t>(candidates.size() / rays);
     return hits;
 }
@@ -149,13 +160,14 @@ void expect_primitives(const StageBuffers& buffers, const GatheredHits& hits,
     }
 }
 
-std::span<const Hit> hits_of_scene(const StageBuffers& buffers, const char* name, std::size_t rays,
-                                   std::uint32_t triangle_count) {
-    const std::span<const Hit> hits = buffers.input<Hit>(name, rays);
+std::span<const Hit> path_hits_of_scene(const StageBuffers& buffers, std::size_t rays,
+                                        std::uint32_t triangle_count) {
+    const std::span<const Hit> hits = buffers.input(reference::buffers::path_hits, rays);
     for (std::size_t ray = 0; ray < hits.size(); ++ray) {
         if (is_hit(hits[ray]) && hits[ray].primitive >= triangle_count) {
-            buffers.fail(name, fmt::format("ray {} hits primitive {}, the scene has {}", ray,
-                                           hits[ray].primitive, triangle_count));
+            buffers.fail(reference::buffers::path_hits.name,
+                         fmt::format("ray {} hits primitive {}, the scene has {}", ray,
+                                     hits[ray].primitive, triangle_count));
         }
     }
     return hits;

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "reference/base/error.h"
+#include "reference/contract/launch_record.h"
 #include "reference/contract/owned_buffer.h"
 #include "reference/contract/pipeline_parameters.h"
 #include "reference/contract/records.h"
@@ -21,7 +22,7 @@
 
 namespace scotty::reference {
 
-/// Inputs of a stage by name, and the outputs that it collects.
+/// Inputs of a stage by name.
 class StageBuffers {
  public:
     explicit StageBuffers(const StageView& stage) : stage_(stage) {}
@@ -32,58 +33,49 @@ class StageBuffers {
     /// An input; throws where it is missing.
     template <class T>
     std::span<const T> input(const Buffer<T>& buffer) const {
-        return input<T>(buffer.name);
-    }
-    /// The same; throws unless it has `count` elements.
-    template <class T>
-    std::span<const T> input(const Buffer<T>& buffer, std::size_t count) const {
-        return input<T>(buffer.name, count);
-    }
-    /// A copy to work on.
-    template <class T>
-    std::vector<T> copy(const Buffer<T>& buffer, std::size_t count) const {
-        return copy<T>(buffer.name, count);
-    }
-    /// As buffer_view(): of a hit list `rows` says how many rays share the slots.
-    template <class T>
-    void output(const Buffer<T>& buffer, const std::type_identity_t<std::vector<T>>& values,
-                std::size_t rows = 0) {
-        outputs_.push_back(own(buffer_view(buffer, values, rows)));
-    }
-
-    // The same by name.
-    template <class T>
-    std::span<const T> input(std::string_view name) const {
-        const BufferView& view = find(name, sizeof(T));
+        const BufferView& view = find(buffer.name, sizeof(T));
         return {static_cast<const T*>(view.data), view.bytes / sizeof(T)};
     }
     /// The same; throws unless it has `count` elements.
     template <class T>
-    std::span<const T> input(std::string_view name, std::size_t count) const {
-        const std::span<const T> values = input<T>(name);
-        expect_count(name, count, values.size());
+    std::span<const T> input(const Buffer<T>& buffer, std::size_t count) const {
+        const std::span<const T> values = input(buffer);
+        expect_count(buffer.name, count, values.size());
         return values;
     }
-    /// A copy to work on.
-    template <class T>
-    std::vector<T> copy(std::string_view name, std::size_t count) const {
-        const std::span<const T> values = input<T>(name, count);
-        return {values.begin(), values.end()};
-    }
-
-    template <class T>
-    void output(std::string_view name, const std::vector<T>& values, std::string_view meaning) {
-        outputs_.push_back(own(buffer_view(name, std::span<const T>(values), meaning)));
-    }
-    void shape_last(std::vector<std::size_t> shape) { outputs_.back().shape = std::move(shape); }
-
-    std::vector<OwnedBuffer> take() && { return std::move(outputs_); }
 
  private:
     const BufferView& find(std::string_view name, std::size_t element_bytes) const;
     void expect_count(std::string_view name, std::size_t expected, std::size_t found) const;
 
     const StageView& stage_;
+};
+
+/// Whether a stage that is run alone reads the buffer: as an input, or as what it updates.
+constexpr bool reads(StageKind kind, const BufferInfo& buffer) {
+    for (const StageBuffer& input : stage_info(kind).inputs) {
+        if (input.buffer->name == buffer.name) return true;
+    }
+    for (const StageNeed& need : stage_info(kind).needs) {
+        if (need.buffer->name == buffer.name) return true;
+    }
+    return false;
+}
+
+/// Where the stage stands in its render.
+StagePlace place_of(const StageView& stage);
+/// Whether the first hit of a ray will do, by the stage's place and the parameters.
+TraversalKind traversal_kind_of(const StageView& stage, const PipelineParameters& parameters);
+
+/// Keeps what the one stage that is run alone hands back.
+class StageOutputs final : public StageObserver {
+ public:
+    void on_stage(const StageView& stage) override {
+        for (const BufferView& output : stage.outputs) outputs_.push_back(own(output));
+    }
+    std::vector<OwnedBuffer> take() && { return std::move(outputs_); }
+
+ private:
     std::vector<OwnedBuffer> outputs_;
 };
 
@@ -91,8 +83,8 @@ class StageBuffers {
 struct LevelNodes {
     std::uint32_t first = 0, count = 0, first_child = 0, child_count = 0;
 };
-/// Throws bad_input where the BVH has no such level.
-LevelNodes nodes_of(const WideBvh& bvh, const StageView& stage);
+/// By WideBvh::level_begins. Throws bad_input where there is no such level.
+LevelNodes nodes_of(std::span<const std::uint32_t> level_begins, const StageView& stage);
 
 /// What a level's kernel reads of queues; at the root `queue_offsets` and `queue` are empty.
 struct LevelInput {
@@ -102,11 +94,11 @@ struct LevelInput {
 LevelInput level_input(const StageBuffers& buffers, const LevelNodes& nodes,
                        const PipelineParameters& parameters, const StageView& stage);
 
-/// Hits gathered so far, to be added to; `packed` or the other two, after the hit mode.
+/// Hits gathered so far; `packed` or the other two, after the hit mode.
 struct GatheredHits {
-    std::vector<std::uint32_t> counts;
-    std::vector<HitCandidate> candidates;
-    std::vector<std::uint64_t> packed;
+    std::span<const std::uint32_t> counts;
+    std::span<const HitCandidate> candidates;
+    std::span<const std::uint64_t> packed;
     std::uint32_t capacity = 0;  ///< slots a ray
 };
 GatheredHits gathered_hits(const StageBuffers& buffers, const PipelineParameters& parameters,
@@ -114,9 +106,9 @@ GatheredHits gathered_hits(const StageBuffers& buffers, const PipelineParameters
 /// Throws bad_input where a hit's primitive is none of the scene's.
 void expect_primitives(const StageBuffers& buffers, const GatheredHits& hits,
                        std::uint32_t triangle_count);
-/// The same for merged hits, one a ray.
-std::span<const Hit> hits_of_scene(const StageBuffers& buffers, const char* name, std::size_t rays,
-                                   std::uint32_t triangle_count);
+/// The same for path_hits, one per ray.
+std::span<const Hit> path_hits_of_scene(const StageBuffers& buffers, std::size_t rays,
+                                        std::uint32_t triangle_count);
 
 /// Throws bad_input where the image has no such batch.
 BatchView batch_of(const PipelineParameters& parameters, const StageView& stage);

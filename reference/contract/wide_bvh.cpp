@@ -45,6 +45,18 @@ void add_inner(BvhHasher& hasher, const std::vector<WideNode<Width>>& inner) {
     for (const WideNode<Width>& node : inner) hasher.add(&node, kBytesOfFields<Width>);
 }
 
+/// All levels again: ids are breadth-first, so that each level ends where its parents do.
+void restore_levels(WideBvh& bvh) {
+    std::vector<std::uint32_t>& begins = bvh.level_begins;
+    std::uint32_t end = begins.back();
+    while (end < bvh.node_count()) {
+        const std::uint32_t parents_end = end;
+        while (end < bvh.node_count() && bvh.parents[end] < parents_end) ++end;
+        if (end == parents_end) return;  // no valid tree: validate() says so
+        begins.push_back(end);
+    }
+}
+
 }  // namespace
 
 std::uint32_t WideBvh::inner_count() const {
@@ -57,6 +69,7 @@ BvhParameters bvh_parameters(const PipelineParameters& p, std::size_t threads) {
 }
 
 void cut_levels(WideBvh& bvh, std::uint32_t queue_levels) {
+    restore_levels(bvh);
     if (queue_levels == 0) return;
     const std::uint32_t levels = bvh.level_count();
     // An inner node leaves Width - 1 others waiting; the lowest level has leaves only.

@@ -37,15 +37,16 @@ class LightScaled : public reference::StageObserver {
 
 /// The emulator, but every path's radiance is `factor` times what it should be.
 inline Backend with_light_scaled(float factor) {
-    Backend backend = backend_named("emulator", 0);
-    backend.render = [factor, render = backend.render](const PipelineInput& input,
-                                                       reference::StageObserver* observer) {
-        LightScaled scaled(*observer, factor);
-        reference::Image image = render(input, &scaled);
-        for (reference::Vec3& pixel : image.pixels) pixel *= factor;
-        return image;
-    };
-    return backend;
+    return render_only(
+        "emulator",
+        [factor](const reference::Scene& scene, const reference::WideBvh& bvh,
+                 const reference::PipelineParameters& p, reference::StageObserver* observer) {
+            LightScaled scaled(*observer, factor);
+            reference::Image image =
+                backend_named("emulator", 0).make(scene, bvh, p, {.observer = &scaled})->render();
+            for (reference::Vec3& pixel : image.pixels) pixel *= factor;
+            return image;
+        });
 }
 
 }  // namespace scotty::verify::test

@@ -62,8 +62,8 @@ void AnalysisRenders::begin(const std::string& what) {
     if (settings_.progress) settings_.progress(what);
 }
 
-std::unique_ptr<gpu::Pipeline> AnalysisRenders::pipeline(const PipelineParameters& p, bool timed,
-                                                         reference::StageObserver* observer) {
+std::unique_ptr<reference::PipelineInterface> AnalysisRenders::pipeline(
+    const PipelineParameters& p, bool timed, reference::StageObserver* observer) {
     const std::string key = fmt::format("{} {} {}", p.width, p.max_leaf_size, p.queue_levels);
     auto found = bvhs_.find(key);
     if (found == bvhs_.end()) {
@@ -76,7 +76,7 @@ std::unique_ptr<gpu::Pipeline> AnalysisRenders::pipeline(const PipelineParameter
 
 void AnalysisRenders::take_turns(const std::vector<PipelineParameters>& all, bool timed,
                                  std::vector<RenderRounds>& out) {
-    std::vector<std::unique_ptr<gpu::Pipeline>> pipelines;
+    std::vector<std::unique_ptr<reference::PipelineInterface>> pipelines;
     pipelines.reserve(all.size());
     for (const PipelineParameters& p : all) {
         pipelines.push_back(pipeline(in_one_batch(p), timed, nullptr));

@@ -49,8 +49,9 @@ class AnalysisRenders {
     std::uint64_t device_bytes(const reference::PipelineParameters& parameters);
 
  private:
-    std::unique_ptr<gpu::Pipeline> pipeline(const reference::PipelineParameters& parameters,
-                                            bool timed, reference::StageObserver* observer);
+    std::unique_ptr<reference::PipelineInterface> pipeline(
+        const reference::PipelineParameters& parameters, bool timed,
+        reference::StageObserver* observer);
     void take_turns(const std::vector<reference::PipelineParameters>& all, bool timed,
                     std::vector<RenderRounds>& out);
     void begin(const std::string& what);

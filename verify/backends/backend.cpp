@@ -2,8 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "emulation/host/pipeline.h"
-#include "emulation/host/replay.h"
 #include "reference/base/error.h"
 #include "verify/backends/simt/simt_pipeline.h"
 #if defined(SCOTTY_HAS_CUDA)
@@ -13,9 +14,9 @@
 namespace scotty::verify {
 
 using reference::Error;
-using reference::StageView;
-using scotty::simt::make_simt_pipeline;
-using scotty::simt::run_simt_stage;
+using reference::PipelineParameters;
+using reference::Scene;
+using reference::WideBvh;
 
 namespace {
 
@@ -27,21 +28,44 @@ std::string written_by(const void* shown) {
                        writer->in_this_launch ? "" : ", in an earlier launch");
 }
 
+class RenderOnly final : public reference::PipelineInterface {
+ public:
+    RenderOnly(std::string name, std::function<reference::Image()> render)
+        : name_(std::move(name)), render_(std::move(render)) {}
+
+    reference::Image render() override { return render_(); }
+    void trace(std::span<const reference::Ray> /*rays*/, reference::TraversalKind /*kind*/,
+               std::span<reference::Hit> /*hits*/) override {
+        refuse();
+    }
+    double time_trace(std::span<const reference::Ray> /*rays*/, reference::TraversalKind /*kind*/,
+                      int /*repeats*/) override {
+        refuse();
+    }
+    std::vector<reference::OwnedBuffer> run_stage(const reference::StageView& /*stage*/) override {
+        refuse();
+    }
+    const std::vector<reference::LaunchRecord>& launches() override { return launches_; }
+    void clear_launches() override {}
+    std::size_t device_bytes() const override { return 0; }
+
+ private:
+    [[noreturn]] void refuse() const {
+        throw Error::bad_input("--backend " + name_, "it renders pictures only: it has no stages");
+    }
+
+    std::string name_;
+    std::function<reference::Image()> render_;
+    std::vector<reference::LaunchRecord> launches_;
+};
+
 /// Exact whatever the parameters say: what fast arithmetic is held against.
 Backend emulator(const emulation::DeviceOptions& device) {
     Backend backend;
     backend.name = "emulator";
-    backend.render = [device](const PipelineInput& input, reference::StageObserver* observer) {
-        return emulation::Pipeline(input.scene, input.bvh, input.parameters, device, observer)
-            .render();
-    };
-    backend.trace = [device](const PipelineInput& input, std::span<const reference::Ray> rays,
-                             reference::TraversalKind kind, std::span<reference::Hit> hits) {
-        emulation::Pipeline(input.scene, input.bvh, input.parameters, device)
-            .trace(rays, kind, hits);
-    };
-    backend.run_stage = [device](const PipelineInput& input, const StageView& stage) {
-        return emulation::run_stage(input.scene, input.bvh, input.parameters, device, stage);
+    backend.make = [device](const Scene& scene, const WideBvh& bvh, const PipelineParameters& p,
+                            const PipelineMaking& making) {
+        return std::make_unique<emulation::Pipeline>(scene, bvh, p, device, making.observer);
     };
     backend.written_by = written_by;
     return backend;
@@ -51,17 +75,10 @@ Backend emulator(const emulation::DeviceOptions& device) {
 Backend simt(const scotty::simt::SimtOptions& options) {
     Backend backend;
     backend.name = "simt";
-    backend.render = [options](const PipelineInput& input, reference::StageObserver* observer) {
-        return make_simt_pipeline(input.scene, input.bvh, input.parameters, options, observer)
-            ->render();
-    };
-    backend.trace = [options](const PipelineInput& input, std::span<const reference::Ray> rays,
-                              reference::TraversalKind kind, std::span<reference::Hit> hits) {
-        make_simt_pipeline(input.scene, input.bvh, input.parameters, options)
-            ->trace(rays, kind, hits);
-    };
-    backend.run_stage = [options](const PipelineInput& input, const StageView& stage) {
-        return run_simt_stage(input.scene, input.bvh, input.parameters, stage, options);
+    backend.make = [options](const Scene& scene, const WideBvh& bvh, const PipelineParameters& p,
+                             const PipelineMaking& making) {
+        return scotty::simt::make_simt_pipeline(scene, bvh, p, options, making.observer,
+                                                {.timings = making.timed});
     };
     backend.written_by = written_by;
     return backend;
@@ -77,15 +94,9 @@ Backend cuda() {
     Backend backend;
     backend.name = "cuda";
     backend.has_fast_arithmetic = true;
-    backend.render = [](const PipelineInput& input, reference::StageObserver* observer) {
-        return gpu::make_pipeline(input.scene, input.bvh, input.parameters, {}, observer)->render();
-    };
-    backend.trace = [](const PipelineInput& input, std::span<const reference::Ray> rays,
-                       reference::TraversalKind kind, std::span<reference::Hit> hits) {
-        gpu::make_pipeline(input.scene, input.bvh, input.parameters)->trace(rays, kind, hits);
-    };
-    backend.run_stage = [](const PipelineInput& input, const StageView& stage) {
-        return gpu::run_stage(input.scene, input.bvh, input.parameters, stage);
+    backend.make = [](const Scene& scene, const WideBvh& bvh, const PipelineParameters& p,
+                      const PipelineMaking& making) {
+        return gpu::make_pipeline(scene, bvh, p, {.timings = making.timed}, making.observer);
     };
     return backend;
 }
@@ -101,6 +112,19 @@ Backend cuda() {
 #endif
 
 }  // namespace
+
+Backend render_only(std::string name, RenderFunction render) {
+    Backend backend;
+    backend.name = std::move(name);
+    backend.make =
+        [name = backend.name, render = std::move(render)](
+            const Scene& scene, const WideBvh& bvh, const PipelineParameters& p,
+            const PipelineMaking& making) -> std::unique_ptr<reference::PipelineInterface> {
+        return std::make_unique<RenderOnly>(
+            name, [&, p, observer = making.observer] { return render(scene, bvh, p, observer); });
+    };
+    return backend;
+}
 
 const std::vector<std::string>& backend_names() {
     static const std::vector<std::string> names{"emulator", "simt", "cuda"};

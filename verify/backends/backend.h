@@ -3,37 +3,50 @@
 
 #include <cstddef>
 #include <functional>
-#include <span>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "emulation/execution/schedule.h"
-#include "reference/contract/image.h"
-#include "reference/contract/launch_record.h"
-#include "reference/contract/owned_buffer.h"
-#include "reference/contract/stage_observer.h"
+#include "reference/contract/pipeline_interface.h"
 #include "verify/capture/pipeline_input.h"
 
 namespace scotty::verify {
 
-/// Something that can run a pipeline, or one of its stages alone.
+/// What a pipeline is made with besides its input.
+struct PipelineMaking {
+    reference::StageObserver* observer = nullptr;
+    bool timed = false;  ///< launches carry their seconds (the emulator's always do)
+};
+
+/// Who can run a pipeline: a name, what it can do, and a factory.
 struct Backend {
     std::string name;
     bool has_fast_arithmetic = false;
-    /// A render; shown to the observer where there is one.
-    std::function<reference::Image(const PipelineInput&, reference::StageObserver*)> render;
-    /// Rays from elsewhere: one hit a ray.
-    std::function<void(const PipelineInput&, std::span<const reference::Ray>,
-                       reference::TraversalKind, std::span<reference::Hit>)>
-        trace;
-    /// One stage; the view's inputs are as prepare_stage() makes them.
-    std::function<std::vector<reference::OwnedBuffer>(const PipelineInput&,
-                                                      const reference::StageView&)>
-        run_stage;
+    /// The pipeline for an input, which is borrowed and outlives it.
+    std::function<std::unique_ptr<reference::PipelineInterface>(
+        const reference::Scene&, const reference::WideBvh&, const reference::PipelineParameters&,
+        const PipelineMaking&)>
+        make;
     /// Who wrote the value at an address in a buffer that the observer, which asks, is being shown:
     /// "thread 3 of block 7 of kernel K at FILE:LINE"; empty where that is not known.
     std::function<std::string(const void*)> written_by = [](const void*) { return std::string(); };
+
+    std::unique_ptr<reference::PipelineInterface> pipeline(
+        const PipelineInput& input, reference::StageObserver* observer = nullptr) const {
+        return make(input.scene, input.bvh, input.parameters, {.observer = observer});
+    }
+    /// One render; shown to the observer where there is one.
+    reference::Image render(const PipelineInput& input, reference::StageObserver* observer) const {
+        return pipeline(input, observer)->render();
+    }
 };
+
+/// A back end that renders and can do nothing else: its pipelines have no stages.
+using RenderFunction = std::function<reference::Image(
+    const reference::Scene&, const reference::WideBvh&, const reference::PipelineParameters&,
+    reference::StageObserver*)>;
+Backend render_only(std::string name, RenderFunction render);
 
 /// By its name on the command line. Throws bad_input naming those there are, and
 /// missing_environment where this machine or this build cannot serve it. `device`: threads of the

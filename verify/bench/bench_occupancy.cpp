@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "verify/backends/emulator_pipeline.h"
+#include "emulation/host/pipeline.h"
 #include "verify/bench/occupancy_counter.h"
 
 namespace scotty::verify {
@@ -64,7 +64,7 @@ Occupancy count_occupancy(const reference::Scene& scene, const reference::WideBv
         p.hit_mode = reference::HitMode::buffer;
         p.arithmetic = reference::Arithmetic::exact;
         OccupancyCounter counter(bvh, p);
-        EmulatorPipeline pipeline(scene, bvh, p, threads, &counter);
+        emulation::Pipeline pipeline(scene, bvh, p, {threads}, &counter);
         pipeline.render();
         Occupancy counted = counter.result();
         counted.device_bytes = pipeline.device_bytes();

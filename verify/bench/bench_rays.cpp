@@ -1,4 +1,5 @@
 #include "verify/bench/bench_rays.h"
+#include "emulation/host/pipeline.h"
 
 #include <fmt/format.h>
 
@@ -8,8 +9,6 @@
 #include <nlohmann/json.hpp>
 #include <span>
 #include <utility>
-
-#include "verify/backends/emulator_pipeline.h"
 
 namespace scotty::verify {
 
@@ -54,8 +53,8 @@ double clocked(const Work& work) {
 }
 
 /// Seconds on the device.
-double time_in_batches(gpu::Pipeline& pipeline, std::span<const Ray> rays, TraversalKind kind,
-                       std::size_t batch) {
+double time_in_batches(reference::PipelineInterface& pipeline, std::span<const Ray> rays,
+                       TraversalKind kind, std::size_t batch) {
     double seconds = 0.0;
     for (std::size_t first = 0; first < rays.size(); first += batch) {
         seconds +=
@@ -115,7 +114,7 @@ class Turns {
     const BenchSettings& settings_;
     const reference::EmbreeTracer& embree_;
     bool on_device_;
-    std::unique_ptr<gpu::Pipeline> pipeline_;
+    std::unique_ptr<reference::PipelineInterface> pipeline_;
     std::vector<Hit> hits_;
     std::vector<std::uint8_t> occluded_;
 };
@@ -154,7 +153,7 @@ TracedRays trace_by_turns(const reference::Scene& scene, const reference::WideBv
     RayCollector collector;
     reference::PipelineParameters exact = settings.parameters;
     exact.arithmetic = reference::Arithmetic::exact;
-    EmulatorPipeline(scene, bvh, exact, settings.threads, &collector).render();
+    emulation::Pipeline(scene, bvh, exact, {settings.threads}, &collector).render();
     Turns turns(scene, bvh, embree, settings, backend);
     TracedRays out;
     out.backend = backend;

@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "reference/contract/parameter_table.h"
+
 namespace scotty::verify {
 
 BenchSubject subject_of(const reference::Scene& scene, const BenchSettings& settings) {
@@ -30,25 +32,22 @@ std::string heading(const BenchSubject& subject) {
 
 nlohmann::json subject_json(const BenchSubject& subject) {
     const auto& p = subject.parameters;
-    return {{"scene", subject.scene},
-            {"triangles", subject.triangles},
-            {"image", {{"width", p.image_width}, {"height", p.image_height}}},
-            {"spp", p.spp},
-            {"bounces", p.bounces},
-            {"light_samples", p.light_samples},
-            {"seed", p.seed},
-            {"width", p.width},
-            {"rays_per_block", p.rays_per_block},
-            {"queue_levels", p.queue_levels},
-            {"early_out", to_string(p.early_out)},
-            {"hit_mode", to_string(p.hit_mode)},
-            {"block_order", to_string(p.block_order)},
-            {"shadow_query", to_string(p.shadow_query)},
-            {"max_leaf_size", p.max_leaf_size},
-            {"batch_rays", p.batch_rays},
-            {"threads", subject.threads},
-            {"warm_ups", subject.warm_ups},
-            {"repeats", subject.repeats}};
+    nlohmann::json out = {{"scene", subject.scene},
+                          {"triangles", subject.triangles},
+                          {"image", {{"width", p.image_width}, {"height", p.image_height}}},
+                          {"threads", subject.threads},
+                          {"warm_ups", subject.warm_ups},
+                          {"repeats", subject.repeats}};
+    for (const reference::ParameterInfo& info : reference::kParameters) {
+        if (info.option == "--size") continue;  // "image" says it
+        nlohmann::json& member = out[std::string(info.name)];
+        if (info.words.empty()) {
+            member = info.get(p);
+        } else {
+            member = text_of(info, p);
+        }
+    }
+    return out;
 }
 
 }  // namespace scotty::verify

@@ -13,8 +13,6 @@
 #include "reference/base/assert.h"
 #include "reference/base/error.h"
 #include "verify/backends/backend.h"
-#include "verify/backends/emulator_pipeline.h"
-#include "verify/backends/simt/simt_pipeline.h"
 
 namespace scotty::verify {
 
@@ -59,7 +57,8 @@ struct Rounds {
     reference::Image image;
 };
 
-Rounds render_rounds(gpu::Pipeline& pipeline, const RenderSettings& settings, const char* what) {
+Rounds render_rounds(reference::PipelineInterface& pipeline, const RenderSettings& settings,
+                     const char* what) {
     Rounds rounds;
     for (int round = -settings.warm_ups; round < settings.repeats; ++round) {
         if (settings.progress) {
@@ -121,24 +120,15 @@ nlohmann::json to_json(const Spread& spread) {
             {"most", spread.most}};
 }
 
-std::unique_ptr<gpu::Pipeline> make_pipeline_of(const std::string& backend, const Scene& scene,
-                                                const WideBvh& bvh,
-                                                const PipelineParameters& parameters,
-                                                std::size_t threads, bool timed,
-                                                StageObserver* observer) {
-    expect_arithmetic(backend_named(backend, threads), parameters);
-    if (backend == "emulator") {
-        return std::make_unique<EmulatorPipeline>(scene, bvh, parameters, threads, observer);
-    }
-    if (backend == "simt") {
-        return simt::make_simt_pipeline(scene, bvh, parameters, {.threads = threads}, observer,
-                                        {.timings = timed});
-    }
-#if defined(SCOTTY_HAS_CUDA)
-    return gpu::make_pipeline(scene, bvh, parameters, {.timings = timed}, observer);
-#else
-    throw Error::internal(backend + ": a back end that has no pipeline here");
-#endif
+std::unique_ptr<reference::PipelineInterface> make_pipeline_of(const std::string& backend,
+                                                               const Scene& scene,
+                                                               const WideBvh& bvh,
+                                                               const PipelineParameters& parameters,
+                                                               std::size_t threads, bool timed,
+                                                               StageObserver* observer) {
+    const Backend of = backend_named(backend, threads);
+    expect_arithmetic(of, parameters);
+    return of.make(scene, bvh, parameters, {.observer = observer, .timed = timed});
 }
 
 MeasuredRenders measure_renders(const Scene& scene, const WideBvh& bvh,

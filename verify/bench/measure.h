@@ -15,9 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "gpu/host/pipeline.h"
-#include "reference/contract/image.h"
-#include "reference/contract/launch_record.h"
+#include "reference/contract/pipeline_interface.h"
 #include "reference/contract/pipeline_parameters.h"
 #include "reference/contract/scene.h"
 #include "reference/contract/stage_observer.h"
@@ -86,12 +84,10 @@ MeasuredRenders measure_renders(const reference::Scene& scene, const RenderSetti
 
 /// The back end's pipeline behind one interface. `timed`: launches carry their seconds (the
 /// emulator's always do). Throws as measure_renders().
-std::unique_ptr<gpu::Pipeline> make_pipeline_of(const std::string& backend,
-                                                const reference::Scene& scene,
-                                                const reference::WideBvh& bvh,
-                                                const reference::PipelineParameters& parameters,
-                                                std::size_t threads, bool timed = false,
-                                                reference::StageObserver* observer = nullptr);
+std::unique_ptr<reference::PipelineInterface> make_pipeline_of(
+    const std::string& backend, const reference::Scene& scene, const reference::WideBvh& bvh,
+    const reference::PipelineParameters& parameters, std::size_t threads, bool timed = false,
+    reference::StageObserver* observer = nullptr);
 
 /// What the rays of a stage of a traversal are called: "primary", "bounce N", "shadow", and "given"
 /// where they came from elsewhere; empty for stages of no traversal. `S`: StageView or

@@ -1,14 +1,14 @@
 /// JSON that other people may have written: read with messages that name file and element.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <fstream>
-#include <limits>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <string_view>
 
 #include "reference/base/error.h"
+#include "reference/contract/parameter_table.h"
 #include "verify/capture/capture_format.h"
 
 namespace scotty::verify {
@@ -26,114 +26,53 @@ std::string shown(const json& value) {
     return text;
 }
 
-/// Calls visit(name, field) for every parameter: one list for writing and reading.
-template <class Parameters, class Visit>
-void for_each_parameter(Parameters& p, Visit&& visit) {
-    visit("image_width", p.image_width);
-    visit("image_height", p.image_height);
-    visit("spp", p.spp);
-    visit("bounces", p.bounces);
-    visit("light_samples", p.light_samples);
-    visit("seed", p.seed);
-    visit("width", p.width);
-    visit("rays_per_block", p.rays_per_block);
-    visit("max_leaf_size", p.max_leaf_size);
-    visit("queue_levels", p.queue_levels);
-    visit("early_out", p.early_out);
-    visit("block_order", p.block_order);
-    visit("hit_mode", p.hit_mode);
-    visit("shadow_query", p.shadow_query);
-    visit("hit_capacity", p.hit_capacity);
-    visit("batch_rays", p.batch_rays);
-    visit("samples_per_pass", p.samples_per_pass);
-    visit("filter", p.filter);
-    visit("filter_threshold", p.filter_threshold);
-    visit("arithmetic", p.arithmetic);
-}
-
-void parse_word(const std::string& word, reference::EarlyOut& value) {
-    value = reference::parse_early_out(word);
-}
-void parse_word(const std::string& word, reference::BlockOrder& value) {
-    value = reference::parse_block_order(word);
-}
-void parse_word(const std::string& word, reference::HitMode& value) {
-    value = reference::parse_hit_mode(word);
-}
-void parse_word(const std::string& word, reference::ShadowQuery& value) {
-    value = reference::parse_shadow_query(word);
-}
-void parse_word(const std::string& word, reference::Filter& value) {
-    value = reference::parse_filter(word);
-}
-void parse_word(const std::string& word, reference::Arithmetic& value) {
-    value = reference::parse_arithmetic(word);
-}
-
-/// Not in files of before, and left out where it is 0: they stay as they are, byte for byte.
-bool was_added_later(std::string_view name) {
-    return name == "queue_levels" || name == "samples_per_pass";
-}
-
-/// Reads parameters and remembers which members were used.
-class ParameterReader {
- public:
-    ParameterReader(const std::string& where, const json& object)
-        : where_(where), object_(object) {}
-
-    template <class T>
-    void operator()(const char* name, T& value) {
-        known_.insert(name);
-        if (was_added_later(name) && !object_.contains(name)) return;
-        if constexpr (std::is_enum_v<T>) {
-            try {
-                parse_word(text_member(where_, object_, name), value);
-            } catch (const Error& error) {
-                throw Error::bad_input(where_, error.what());
-            }
-        } else {
-            value = static_cast<T>(unsigned_member(where_, object_, name,
-                                                   std::uint64_t{std::numeric_limits<T>::max()}));
-        }
+/// A parameter that we do not know may change what the numbers mean.
+void expect_known(const std::string& where, const json& object) {
+    for (const auto& item : object.items()) {
+        const bool known = std::any_of(
+            reference::kParameters.begin(), reference::kParameters.end(),
+            [&](const reference::ParameterInfo& info) { return info.name == item.key(); });
+        if (known) continue;
+        throw Error::bad_input(
+            where, fmt::format("the parameter '{}' is not known here; the file was written by "
+                               "another version",
+                               item.key()));
     }
-    /// A parameter that we do not know may change what the numbers mean.
-    void expect_no_others() const {
-        for (const auto& item : object_.items()) {
-            if (!known_.contains(item.key())) {
-                throw Error::bad_input(
-                    where_, fmt::format("the parameter '{}' is not known here; the file was "
-                                        "written by another version",
-                                        item.key()));
-            }
-        }
-    }
-
- private:
-    const std::string& where_;
-    const json& object_;
-    std::set<std::string> known_;
-};
+}
 
 }  // namespace
 
 ordered_json to_json(const PipelineParameters& parameters) {
     ordered_json out = ordered_json::object();
-    for_each_parameter(parameters, [&](const char* name, const auto& value) {
-        if constexpr (std::is_enum_v<std::decay_t<decltype(value)>>) {
-            out[name] = reference::to_string(value);
+    for (const reference::ParameterInfo& info : reference::kParameters) {
+        const std::uint64_t value = info.get(parameters);
+        if (info.added_later && value == 0) continue;
+        ordered_json& member = out[std::string(info.name)];
+        if (info.words.empty()) {
+            member = value;
         } else {
-            if (was_added_later(name) && value == 0) return;
-            out[name] = value;
+            member = text_of(info, parameters);
         }
-    });
+    }
     return out;
 }
 
 PipelineParameters parse_parameters(const std::string& where, const json& object) {
     PipelineParameters parameters;
-    ParameterReader reader(where, object);
-    for_each_parameter(parameters, reader);
-    reader.expect_no_others();
+    for (const reference::ParameterInfo& info : reference::kParameters) {
+        const std::string name(info.name);
+        if (info.added_later && !object.contains(name)) continue;
+        const std::string text =
+            info.words.empty()
+                ? std::to_string(unsigned_member(where, object, name.c_str(), ~std::uint64_t{0}))
+                : text_member(where, object, name.c_str());
+        try {
+            set_from_text(info, parameters, text);
+        } catch (const Error& error) {
+            throw Error::bad_input(where, error.what());
+        }
+    }
+    expect_known(where, object);
     try {
         reference::validate(parameters);
     } catch (const Error& error) {

@@ -63,13 +63,11 @@ class ProgressObserver : public reference::StageObserver {
 
 /// Embree's paths as one more back end, for pictures only.
 Backend embree(std::size_t threads) {
-    Backend backend;
-    backend.name = "embree";
-    backend.render = [threads](const PipelineInput& input, reference::StageObserver* observer) {
-        const reference::EmbreeTracer tracer(input.scene);
-        return render_with_embree(input.scene, input.parameters, tracer, threads, observer);
-    };
-    return backend;
+    return render_only("embree", [threads](const reference::Scene& scene, const reference::WideBvh&,
+                                           const reference::PipelineParameters& p,
+                                           reference::StageObserver* observer) {
+        return render_with_embree(scene, p, reference::EmbreeTracer(scene), threads, observer);
+    });
 }
 
 Image render(const Backend& backend, const PipelineInput& input) {

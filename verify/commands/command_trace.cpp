@@ -56,9 +56,9 @@ std::vector<HitCandidate> trace_with_pipeline(const TraceOptions& options, const
         options.parameters};
     progress.show("tracing");
     std::vector<Hit> hits(rays.rays.size());
-    backend.trace(input, rays.rays,
-                  rays.any_hit ? reference::TraversalKind::any : reference::TraversalKind::closest,
-                  hits);
+    backend.pipeline(input)->trace(
+        rays.rays, rays.any_hit ? reference::TraversalKind::any : reference::TraversalKind::closest,
+        hits);
     std::vector<HitCandidate> out(hits.size());
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = hit_record(hits[i], rays.any_hit);
     return out;

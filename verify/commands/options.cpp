@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "reference/base/error.h"
+#include "reference/contract/parameter_table.h"
 #include "scenes/scenes.h"
 #include "verify/backends/checked_program.h"
 #include "verify/backends/simt/simt_pipeline.h"
@@ -84,73 +85,48 @@ void parse_size(const std::string& text, PipelineParameters& parameters) {
         parse_integer<std::uint32_t>("--size", std::string_view(text).substr(cross + 1));
 }
 
+/// The option of a row of the table; the default is the value in `p`.
+void add_parameter(CLI::App& command, PipelineParameters& p, const reference::ParameterInfo& info,
+                   const std::string& group) {
+    const std::string type =
+        info.words.empty() ? "N" : fmt::format("{}", fmt::join(info.words, "|"));
+    add_word(
+        command, std::string(info.option),
+        [&p, &info](const std::string& text) {
+            try {
+                set_from_text(info, p, text);
+            } catch (const Error& error) {
+                throw Error::bad_input(std::string(info.option), error.what());
+            }
+        },
+        fmt::format("{} [{}]", info.help, text_of(info, p)), type, group);
+}
+
 void add_picture_options(CLI::App& command, PipelineParameters& p) {
+    using reference::parameter;
     add_word(
         command, "--size", [&p](const std::string& text) { parse_size(text, p); },
-        fmt::format("image in pixels, any shape [{}x{}]", p.image_width, p.image_height), "WxH",
-        kPicture);
-    command.add_option("--spp", p.spp, "samples a pixel")->capture_default_str()->group(kPicture);
-    command.add_option("--bounces", p.bounces, "scatterings after the primary hit")
-        ->capture_default_str()
-        ->group(kPicture);
-    command.add_option("--light-samples", p.light_samples, "direct-light rays a path vertex")
-        ->capture_default_str()
-        ->group(kPicture);
-    command.add_option("--seed", p.seed, "of the random numbers")
-        ->capture_default_str()
-        ->group(kPicture);
-    command.add_option("--leaf-size", p.max_leaf_size, "triangles a leaf, at most")
-        ->capture_default_str()
-        ->group(kPipeline);
+        fmt::format("{} [{}x{}]", parameter("image_width").help, p.image_width, p.image_height),
+        "WxH", kPicture);
+    for (const auto* info : {&parameter("spp"), &parameter("bounces"), &parameter("light_samples"),
+                             &parameter("seed")}) {
+        add_parameter(command, p, *info, kPicture);
+    }
+    add_parameter(command, p, parameter("max_leaf_size"), kPipeline);
 }
 
 void add_pipeline_options(CLI::App& command, PipelineParameters& p) {
-    using namespace reference;  // the enumerations' parse functions
-    command.add_option("--width", p.width, "children a node: 2, 4, 8 or 16")
-        ->capture_default_str()
-        ->group(kPipeline);
-    command
-        .add_option("--rays-per-block", p.rays_per_block, "threads a block: 32..1024, whole warps")
-        ->capture_default_str()
-        ->group(kPipeline);
-    command
-        .add_option("--queue-levels", p.queue_levels,
-                    "levels that have queues, 1..64; below them each ray goes on depth first. "
-                    "0: all have")
-        ->capture_default_str()
-        ->group(kPipeline);
-    add_word(
-        command, "--early-out", [&p](const std::string& w) { p.early_out = parse_early_out(w); },
-        fmt::format("stop pushing rays on behind their nearest hit [{}]", to_string(p.early_out)),
-        "off|level|immediate", kPipeline);
-    add_word(
-        command, "--hit-mode", [&p](const std::string& w) { p.hit_mode = parse_hit_mode(w); },
-        fmt::format("how hits of several leaves come together [{}]", to_string(p.hit_mode)),
-        "buffer|packed", kPipeline);
-    add_word(
-        command, "--block-order",
-        [&p](const std::string& w) { p.block_order = parse_block_order(w); },
-        fmt::format("which rays a block takes [{}]", to_string(p.block_order)), "linear|strided",
-        kPipeline);
-    add_word(
-        command, "--shadow-query",
-        [&p](const std::string& w) { p.shadow_query = parse_shadow_query(w); },
-        fmt::format("what a shadow ray asks for [{}]", to_string(p.shadow_query)), "any|closest",
-        kPipeline);
-    command.add_option("--hit-capacity", p.hit_capacity, "hit slots a ray at first; they grow")
-        ->capture_default_str()
-        ->group(kPipeline);
-    command.add_option("--batch-rays", p.batch_rays, "rays in flight at once")
-        ->capture_default_str()
-        ->group(kPipeline);
+    using reference::parameter;
+    for (const auto* info :
+         {&parameter("width"), &parameter("rays_per_block"), &parameter("queue_levels"),
+          &parameter("early_out"), &parameter("hit_mode"), &parameter("block_order"),
+          &parameter("shadow_query"), &parameter("hit_capacity"), &parameter("batch_rays")}) {
+        add_parameter(command, p, *info, kPipeline);
+    }
 }
 
 void add_arithmetic_option(CLI::App& command, PipelineParameters& p) {
-    add_word(
-        command, "--arithmetic",
-        [&p](const std::string& w) { p.arithmetic = reference::parse_arithmetic(w); },
-        fmt::format("fast: approximate, with --backend cuda only [{}]", to_string(p.arithmetic)),
-        "exact|fast", kPipeline);
+    add_parameter(command, p, reference::parameter("arithmetic"), kPipeline);
 }
 
 void add_filter_options(CLI::App& command, ConfigurationFilter& filter) {

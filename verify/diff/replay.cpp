@@ -24,7 +24,7 @@ void run_alone(const Capture& capture, const StageRecord& record, const Pipeline
     LoadedStage ran;
     ran.view = bare_view(record);
     ran.view.inputs = prepared.view.inputs;  // the same memory
-    for (OwnedBuffer& buffer : backend.run_stage(input, prepared.view)) {
+    for (OwnedBuffer& buffer : backend.pipeline(input)->run_stage(prepared.view)) {
         ran.add_output(std::move(buffer));
     }
     differ.on_stage(ran.view);

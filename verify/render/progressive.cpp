@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "emulation/host/replay.h"
+#include "emulation/host/pipeline.h"
 #include "reference/base/assert.h"
 
 namespace scotty::verify {
@@ -25,8 +25,9 @@ Image filtered(const PipelineInput& input, const Image& image) {
     stage.kind = StageKind::filter;
     stage.name = to_string(stage.kind);
     stage.inputs = {
-        reference::buffer_view("image", std::span<const Vec3>(image.pixels), "radiance by pixel")};
-    const auto outputs = emulation::run_stage(input.scene, input.bvh, input.parameters, {}, stage);
+        reference::buffer_view(reference::buffers::image, std::span<const Vec3>(image.pixels))};
+    const auto outputs =
+        emulation::Pipeline(input.scene, input.bvh, input.parameters).run_stage(stage);
     SCOTTY_ASSERT(outputs.size(), ==, 1u);
     const auto* pixels = reinterpret_cast<const Vec3*>(outputs[0].bytes.data());
     return {image.width, image.height, {pixels, pixels + image.pixels.size()}};

@@ -3,6 +3,7 @@
 /// Reads a pipeline input (`scotty capture SCENE -o DIR --input-only`), runs on the device, writes
 /// a capture, an image and timings. The diff runs anywhere.
 #include <CLI/CLI.hpp>
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <exception>
@@ -14,6 +15,7 @@
 
 #include "gpu/host/pipeline.h"
 #include "gpu/parity/parity.h"
+#include "reference/contract/parameter_table.h"
 #include "verify/capture/capture_writer.h"
 #include "verify/capture/npy.h"
 #include "verify/capture/pipeline_input.h"
@@ -24,39 +26,28 @@ namespace {
 using namespace scotty;  // one program, one file
 using reference::PipelineParameters;
 
-/// Overrides of what the input's parameters say; empty: as they are.
-struct Overrides {
-    int rays_per_block = 0;
-    std::uint32_t queue_levels = 0;
-    std::uint32_t batch_rays = 0;
-    std::uint32_t hit_capacity = 0;
-    std::string early_out, hit_mode, block_order, shadow_query, arithmetic;
-};
+/// What the command line says instead of the input's parameters, by row of the table.
+using Overrides = std::map<const reference::ParameterInfo*, std::string>;
 
-void add_overrides(CLI::App& command, Overrides& o) {
-    command.add_option("--rays-per-block", o.rays_per_block, "Threads a block, 32..1024");
-    command.add_option("--queue-levels", o.queue_levels,
-                       "Levels that have queues; below them each ray goes on depth first");
-    command.add_option("--batch-rays", o.batch_rays, "Rays in flight at once");
-    command.add_option("--hit-capacity", o.hit_capacity, "Buffered hits a ray, at first");
-    command.add_option("--early-out", o.early_out, "off, level or immediate");
-    command.add_option("--hit-mode", o.hit_mode, "buffer or packed");
-    command.add_option("--block-order", o.block_order, "linear or strided");
-    command.add_option("--shadow-query", o.shadow_query, "any or closest");
-    command.add_option("--arithmetic", o.arithmetic, "exact or fast");
+void add_overrides(CLI::App& command, Overrides& overrides) {
+    using reference::parameter;
+    static constexpr std::array kRows{
+        &parameter("rays_per_block"), &parameter("queue_levels"), &parameter("batch_rays"),
+        &parameter("hit_capacity"),   &parameter("early_out"),    &parameter("hit_mode"),
+        &parameter("block_order"),    &parameter("shadow_query"), &parameter("arithmetic")};
+    for (const reference::ParameterInfo* info : kRows) {
+        command
+            .add_option_function<std::string>(
+                std::string(info->option),
+                [info, &overrides](const std::string& text) { overrides[info] = text; },
+                std::string(info->help))
+            ->type_name(valid_values(*info));
+    }
 }
 
-void apply(const Overrides& o, verify::PipelineInput& input) {
+void apply(const Overrides& overrides, verify::PipelineInput& input) {
     PipelineParameters& p = input.parameters;
-    if (o.queue_levels != 0) p.queue_levels = o.queue_levels;
-    if (o.rays_per_block != 0) p.rays_per_block = o.rays_per_block;
-    if (o.batch_rays != 0) p.batch_rays = o.batch_rays;
-    if (o.hit_capacity != 0) p.hit_capacity = o.hit_capacity;
-    if (!o.early_out.empty()) p.early_out = reference::parse_early_out(o.early_out);
-    if (!o.hit_mode.empty()) p.hit_mode = reference::parse_hit_mode(o.hit_mode);
-    if (!o.block_order.empty()) p.block_order = reference::parse_block_order(o.block_order);
-    if (!o.shadow_query.empty()) p.shadow_query = reference::parse_shadow_query(o.shadow_query);
-    if (!o.arithmetic.empty()) p.arithmetic = reference::parse_arithmetic(o.arithmetic);
+    for (const auto& [info, text] : overrides) set_from_text(*info, p, text);
     reference::validate(p);
     cut_levels(input.bvh, p.queue_levels);
 }
@@ -82,7 +73,8 @@ struct RunOptions {
 };
 
 /// `seconds`: of the render by the host's clock, the picture's way back included.
-void print_timings(gpu::Pipeline& pipeline, const PipelineParameters& p, double seconds) {
+void print_timings(reference::PipelineInterface& pipeline, const PipelineParameters& p,
+                   double seconds) {
     std::map<reference::StageKind, std::pair<int, double>> by_kind;
     double kernels = 0.0;
     for (const reference::LaunchRecord& launch : pipeline.launches()) {

@@ -316,7 +316,7 @@ class SceneVerification {
         const PipelineInput& input = input_of(bvh_of(baseline.parameters), baseline.parameters);
         const auto trace = [&](std::span<const reference::Ray> rays,
                                std::span<reference::Hit> hits) {
-            backend.trace(input, rays, reference::TraversalKind::closest, hits);
+            backend.pipeline(input)->trace(rays, reference::TraversalKind::closest, hits);
         };
         for (Failure& failure :
              check_intervals(scene_, truth, trace, settings_.brute_force_tests)) {

@@ -3,7 +3,7 @@
 #include <cstring>
 #include <map>
 
-#include "emulation/host/replay.h"
+#include "emulation/host/pipeline.h"
 #include "reference/contract/wide_bvh.h"
 #include "reference/truth/tracers.h"
 #include "tests/emulation/renders.h"
@@ -23,7 +23,6 @@ using scotty::emulation::test::bvh_of;
 using scotty::emulation::test::differing_pixels;
 using scotty::emulation::test::scene_named;
 using scotty::simt::make_simt_pipeline;
-using scotty::simt::run_simt_stage;
 using scotty::verify::canonical_bytes;
 using scotty::verify::Capture;
 using scotty::verify::LoadedStage;
@@ -318,11 +317,12 @@ TEST_CASE("stages alone: every kernel makes of the emulator's inputs what the em
     const Capture capture = make_capture(folder / "c", p);
     const auto input = spheres_input(p);
     std::size_t compared = 0;
+    scotty::emulation::Pipeline emulator(input.scene, input.bvh, p);
+    const auto simt = make_simt_pipeline(input.scene, input.bvh, p);
     for (const auto& record : capture.stages()) {
         const LoadedStage stage = prepare_stage(capture, record);
-        const auto expected =
-            scotty::emulation::run_stage(input.scene, input.bvh, p, {}, stage.view);
-        const auto found = run_simt_stage(input.scene, input.bvh, p, stage.view);
+        const auto expected = emulator.run_stage(stage.view);
+        const auto found = simt->run_stage(stage.view);
         StageView a = stage.view;
         StageView b = stage.view;
         a.outputs.clear();

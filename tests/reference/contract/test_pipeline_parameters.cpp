@@ -3,6 +3,7 @@
 #include <functional>
 
 #include "reference/base/error.h"
+#include "reference/contract/parameter_table.h"
 #include "reference/contract/pipeline_parameters.h"
 #include "reference/contract/stage_observer.h"
 
@@ -45,9 +46,55 @@ TEST_CASE("parameters: what is out of range is named with its value and what is 
     CHECK_THAT(complaint_about([](auto& p) { p.bounces = 65; }), Contains("bounces"));
     CHECK_THAT(complaint_about([](auto& p) { p.light_samples = 65; }), Contains("light samples"));
     CHECK_THAT(complaint_about([](auto& p) { p.max_leaf_size = 65; }),
-               Contains("triangles a leaf"));
+               Contains("triangles per leaf"));
     CHECK_THAT(complaint_about([](auto& p) { p.hit_capacity = 0; }), Contains("hit capacity"));
-    CHECK_THAT(complaint_about([](auto& p) { p.batch_rays = 0; }), Contains("rays a batch"));
+    CHECK_THAT(complaint_about([](auto& p) { p.batch_rays = 0; }), Contains("rays per batch"));
+}
+
+/// Whether a struct of that many members can be initialised with one member more.
+struct Anything {
+    template <class T>
+    operator T() const;
+};
+template <class T, class... Members>
+constexpr std::size_t members_of(Members... members) {
+    if constexpr (requires { T{members..., Anything{}}; }) {
+        return members_of<T>(members..., Anything{});
+    } else {
+        return sizeof...(Members);
+    }
+}
+
+TEST_CASE("parameters: every member is a row of the table, and every row is a member of its own",
+          "[reference][parameters]") {
+    CHECK(members_of<PipelineParameters>() == kParameters.size());
+    for (const ParameterInfo& info : kParameters) {
+        INFO(info.name);
+        PipelineParameters changed;
+        const std::string before = text_of(info, changed);
+        const std::uint64_t other =
+            info.words.empty()
+                ? (info.only.empty() ? info.low + 5 * info.multiple_of : info.only.front())
+                : (info.get(changed) + 1) % info.words.size();
+        info.set(changed, other);
+        CHECK(text_of(info, changed) != before);
+        std::size_t changes = 0;
+        for (const ParameterInfo& row : kParameters) {
+            changes += row.get(changed) != row.get(PipelineParameters{});
+        }
+        CHECK(changes == 1);
+        PipelineParameters read;
+        set_from_text(info, read, text_of(info, changed));
+        CHECK(info.get(read) == other);
+        if (!info.words.empty()) {
+            CHECK_THROWS_WITH(set_from_text(info, read, "nonsense"), Contains("'nonsense'"));
+            continue;
+        }
+        CHECK_THROWS_WITH(set_from_text(info, read, "1x"), Contains("expected a number"));
+        if (info.high != ~std::uint64_t{0}) {
+            CHECK_THROWS_WITH(set_from_text(info, read, "-1"), Contains("found -1"));
+        }
+    }
 }
 
 TEST_CASE("parameters: every word is read back as the value that it names",

@@ -118,6 +118,11 @@ TEST_CASE("subtrees: a tree is cut at its levels, and stays valid", "[reference]
         CHECK(cut.ends_queues(cut.level_begins[levels - 1]));
         CHECK(cut.ends_queues(0) == (levels == 1));
         CHECK(fingerprint(cut) != fingerprint(whole));
+        WideBvh again = cut;  // as a program does that is handed a tree that is cut already
+        cut_levels(again, 4);
+        CHECK(again.level_count() == 4);
+        cut_levels(again, 0);
+        CHECK(fingerprint(again) == fingerprint(whole));
     }
     WideBvh more = whole;
     cut_levels(more, 64);

@@ -57,7 +57,7 @@ TEST_CASE("command: bad usage and bad input exit with 2 and one clear line", "[v
         {"render missing.dae" + out, "no such file"},
         {"render '" + folder.file("truncated.obj") + "'" + out, "truncated.obj"},
         {"render cornell" + out + " --width 3", "2, 4, 8 or 16, found 3"},
-        {"render cornell" + out + " --rays-per-block 0", "32..1024, found 0"},
+        {"render cornell" + out + " --rays-per-block 0", "32..1024, a multiple of 32, found 0"},
         {"render cornell" + out + " --rays-per-block 65", "multiple of 32"},
         {"render cornell" + out + " --size 0x0", "image width"},
         {"render cornell" + out + " --size 65536x65536", "image size"},

@@ -4,7 +4,7 @@
 #include <map>
 #include <set>
 
-#include "emulation/host/replay.h"
+#include "emulation/host/pipeline.h"
 #include "tests/verify/capture_tools.h"
 #include "verify/capture/replay_inputs.h"
 #include "verify/diff/replay.h"
@@ -201,8 +201,9 @@ std::string run_error(const char* stage, const char* buffer, std::size_t index,
     }
     REQUIRE(found);
     const PipelineInput input = read_pipeline_input(folder / "c");
-    return error_of(
-        [&] { emulation::run_stage(input.scene, input.bvh, input.parameters, {}, prepared.view); });
+    return error_of([&] {
+        emulation::Pipeline(input.scene, input.bvh, input.parameters).run_stage(prepared.view);
+    });
 }
 
 TEST_CASE("replay: inputs that would lead a kernel out of its buffers are refused by name",
@@ -224,11 +225,11 @@ TEST_CASE("replay: inputs that would lead a kernel out of its buffers are refuse
     const PipelineInput input = read_pipeline_input(folder / "c");
     LoadedStage prepared = prepare_stage(capture, *capture.find(level));
     std::erase_if(prepared.view.inputs, [](const BufferView& b) { return b.name == "rays"; });
-    CHECK_THAT(error_of([&] {
-                   emulation::run_stage(input.scene, input.bvh, input.parameters, {},
-                                        prepared.view);
-               }),
-               Contains("rays") && Contains("it is missing"));
+    CHECK_THAT(
+        error_of([&] {
+            emulation::Pipeline(input.scene, input.bvh, input.parameters).run_stage(prepared.view);
+        }),
+        Contains("rays") && Contains("it is missing"));
 }
 
 TEST_CASE("replay: a stage that cannot be run is a failure of an isolated diff",

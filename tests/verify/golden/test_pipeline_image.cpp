@@ -98,13 +98,14 @@ TEST_CASE("pipeline image: means and variances are those of the paths, whatever 
 TEST_CASE("pipeline image: a picture that is not the mean of its paths is named",
           "[verify][golden]") {
     const reference::Scene scene = scenes::load_scene("cornell");
-    Backend backend = backend_named("emulator", 0);
-    const auto render = backend.render;
-    backend.render = [&](const PipelineInput& input, reference::StageObserver* observer) {
-        reference::Image image = render(input, observer);
-        image.pixels[2 * kSize + 3].y *= 1.00001f;
-        return image;
-    };
+    const Backend backend = render_only(
+        "emulator", [](const reference::Scene& of, const reference::WideBvh& bvh,
+                       const PipelineParameters& p, reference::StageObserver* observer) {
+            reference::Image image =
+                backend_named("emulator", 0).make(of, bvh, p, {.observer = observer})->render();
+            image.pixels[2 * kSize + 3].y *= 1.00001f;
+            return image;
+        });
     CHECK_THAT(measure(scene, picture(4, 1), backend).reconstruction_fault,
                Contains("reconstruct_image: pixel (3, 2), channel G"));
 }

@@ -29,12 +29,10 @@ bool same_bits(const Image& a, const Image& b) {
 }
 
 Backend embree() {
-    Backend backend;
-    backend.render = [](const PipelineInput& input, StageObserver* observer) {
-        const reference::EmbreeTracer tracer(input.scene);
-        return render_with_embree(input.scene, input.parameters, tracer, 0, observer);
-    };
-    return backend;
+    return render_only("embree", [](const reference::Scene& scene, const reference::WideBvh&,
+                                    const PipelineParameters& p, StageObserver* observer) {
+        return render_with_embree(scene, p, reference::EmbreeTracer(scene), 0, observer);
+    });
 }
 
 /// One pass after the other, beside ordinary renders of as many samples.
@@ -168,20 +166,21 @@ TEST_CASE("progressive: a render that begins again with smaller batches counts a
      private:
         StageObserver& shown_;
     };
-    const Backend emulator = backend_named("emulator", 0);
-    Backend out_of_memory = emulator;
-    out_of_memory.render = [&](const PipelineInput& input, StageObserver* observer) {
-        PipelineInput smaller = input;
-        smaller.parameters.batch_rays = 41;  // 4 batches a pass, and then 8
-        if (observer == nullptr) return emulator.render(smaller, nullptr);
-        try {
-            Until until(*observer);
-            emulator.render(smaller, &until);
-        } catch (const Full&) {
-            smaller.parameters.batch_rays /= 2;
-        }
-        return emulator.render(smaller, observer);
-    };
+    const Backend out_of_memory =
+        render_only("emulator", [](const reference::Scene& scene, const reference::WideBvh& bvh,
+                                   const PipelineParameters& whole, StageObserver* observer) {
+            const Backend emulator = backend_named("emulator", 0);
+            PipelineParameters p = whole;
+            p.batch_rays = 41;  // 4 batches a pass, and then 8
+            if (observer == nullptr) return emulator.make(scene, bvh, p, {})->render();
+            try {
+                Until until(*observer);
+                emulator.make(scene, bvh, p, {.observer = &until})->render();
+            } catch (const Full&) {
+                p.batch_rays /= 2;
+            }
+            return emulator.make(scene, bvh, p, {.observer = observer})->render();
+        });
     check_passes(out_of_memory, passes_of(1, 6), {1, 2, 3, 4, 5});
 }
 

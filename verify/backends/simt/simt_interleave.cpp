@@ -33,7 +33,8 @@ class StageOnExecutor {
             executor_.checker()->forget_all();  // so that a word is the same word in every run
             executor_.interleave(&interleaver);
             return stage_.canonical(
-                gpu::simt::run_stage(stage_.scene, stage_.bvh, stage_.parameters, stage_.stage));
+                gpu::simt::make_pipeline(stage_.scene, stage_.bvh, stage_.parameters, {}, nullptr)
+                    ->run_stage(stage_.stage));
         };
     }
 

@@ -15,8 +15,8 @@
 
 namespace scotty::simt {
 
-/// What a stage needs to be run alone, as run_simt_stage() takes it, and when two outcomes of it
-/// are the same.
+/// What a stage needs to be run alone, as Pipeline::run_stage() takes it, and when two outcomes of
+/// it are the same.
 struct InterleavedStage {
     const reference::Scene& scene;
     const reference::WideBvh& bvh;

@@ -29,8 +29,6 @@ class SimtPipeline final : public gpu::Pipeline {
         const CurrentDevice here(executor_);
         pipeline_.reset();
     }
-    SimtPipeline(const SimtPipeline&) = delete;
-    SimtPipeline& operator=(const SimtPipeline&) = delete;
 
     reference::Image render() override {
         const CurrentDevice here(executor_);
@@ -45,6 +43,10 @@ class SimtPipeline final : public gpu::Pipeline {
                       int repeats) override {
         const CurrentDevice here(executor_);
         return pipeline_->time_trace(rays, kind, repeats);
+    }
+    std::vector<reference::OwnedBuffer> run_stage(const reference::StageView& stage) override {
+        const CurrentDevice here(executor_);
+        return pipeline_->run_stage(stage);
     }
     const std::vector<gpu::LaunchRecord>& launches() override { return pipeline_->launches(); }
     void clear_launches() override { pipeline_->clear_launches(); }
@@ -98,18 +100,6 @@ std::unique_ptr<gpu::Pipeline> make_simt_pipeline(const reference::Scene& scene,
                                                   reference::StageObserver* observer,
                                                   const gpu::PipelineOptions& pipeline) {
     return std::make_unique<SimtPipeline>(scene, bvh, parameters, options, observer, pipeline);
-}
-
-std::vector<reference::OwnedBuffer> run_simt_stage(const reference::Scene& scene,
-                                                   const reference::WideBvh& bvh,
-                                                   const reference::PipelineParameters& parameters,
-                                                   const reference::StageView& stage,
-                                                   const SimtOptions& options) {
-    Executor executor(options);
-    if (checks_memory()) executor.check_memory();
-    const CurrentDevice here(executor);
-    CurrentDevice::launch_failure().clear();
-    return gpu::simt::run_stage(scene, bvh, parameters, stage);
 }
 
 }  // namespace scotty::simt

@@ -40,11 +40,4 @@ std::unique_ptr<gpu::Pipeline> make_simt_pipeline(const reference::Scene& scene,
                                                   reference::StageObserver* observer = nullptr,
                                                   const gpu::PipelineOptions& pipeline = {});
 
-/// One stage alone, as gpu::run_stage; without a device.
-std::vector<reference::OwnedBuffer> run_simt_stage(const reference::Scene& scene,
-                                                   const reference::WideBvh& bvh,
-                                                   const reference::PipelineParameters& parameters,
-                                                   const reference::StageView& stage,
-                                                   const SimtOptions& options = {});
-
 }  // namespace scotty::simt
