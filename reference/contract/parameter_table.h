@@ -98,6 +98,13 @@ inline constexpr std::array kParameters = [] {
                                    .title = "light samples",
                                    .help = "direct-light rays per path vertex",
                                    .high = 64}),
+        access<&P::roulette>({.name = "roulette",
+                              .option = "--roulette",
+                              .title = "roulette",
+                              .help = "scatterings after which paths end at random, by their "
+                                      "throughput. 0: never",
+                              .high = 64,
+                              .added_later = true}),
         access<&P::seed>({.name = "seed",
                           .option = "--seed",
                           .title = "seed",

@@ -45,6 +45,9 @@ struct PipelineParameters {
     std::uint32_t spp = 4;             ///< samples per pixel, 1..2^20
     std::uint32_t bounces = 2;         ///< scatterings after the primary hit, 0..64
     std::uint32_t light_samples = 2;   ///< direct-light rays per path vertex, 0..64
+    /// Scatterings after which a path goes on only with the probability of its throughput (Russian
+    /// roulette); what survives carries the more. 0: never, each path goes on to the end.
+    std::uint32_t roulette = 0;  ///< 0..64
     std::uint64_t seed = 0;
 
     int width = 8;            ///< children a node: 2, 4, 8 or 16

@@ -22,9 +22,10 @@ struct PathParameters {
     std::uint32_t image_height = 1;
     std::uint32_t light_samples = 2;
     std::uint32_t bounces = 2;
+    std::uint32_t roulette = 0;
 };
 inline PathParameters path_parameters(const PipelineParameters& p) {
-    return {p.seed, p.image_width, p.image_height, p.light_samples, p.bounces};
+    return {p.seed, p.image_width, p.image_height, p.light_samples, p.bounces, p.roulette};
 }
 
 /// Tangent of half the vertical field of view in an image of this shape.
@@ -86,6 +87,14 @@ SCOTTY_HD DirectLight sample_direct_light(const SceneView& scene, const PathPara
     return {shadow_ray(surface, light), potential};
 }
 
+/// Russian roulette: the probability with which a path that carries this throughput goes on after
+/// its `scatterings`-th scattering. 1: it always does.
+SCOTTY_HD float survival(const PathParameters& parameters, std::uint32_t scatterings,
+                         const Vec3& carried) {
+    if (parameters.roulette == 0 || scatterings < parameters.roulette) return 1.0f;
+    return clamp_to(max_component(carried), 0.0f, 1.0f);
+}
+
 struct Scattered {
     Ray ray;          ///< the path's next ray; dead where it ends
     Vec3 throughput;  ///< of the next ray
@@ -124,8 +133,13 @@ SCOTTY_HD Scattered scatter(const SceneView& scene, const PathParameters& parame
         next =
             sample_bsdf(material, ray.direction, surface.geometric_normal, surface.front, random);
     }
-    const Vec3 carried = throughput * next.weight;
+    Vec3 carried = throughput * next.weight;
     if (!(max_component(carried) > 0.0f)) return end;
+    const float survives = survival(parameters, bounce + 1, carried);
+    if (survives < 1.0f) {
+        if (!(random.d < survives)) return end;
+        carried = carried * (1.0f / survives);
+    }
     return {leave_surface(surface, next.direction, kInfinity), carried, end.emitted,
             kPathAlive | (next.specular ? kPathSpecular : 0u)};
 }

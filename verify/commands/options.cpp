@@ -109,7 +109,7 @@ void add_picture_options(CLI::App& command, PipelineParameters& p) {
         fmt::format("{} [{}x{}]", parameter("image_width").help, p.image_width, p.image_height),
         "WxH", kPicture);
     for (const auto* info : {&parameter("spp"), &parameter("bounces"), &parameter("light_samples"),
-                             &parameter("seed")}) {
+                             &parameter("roulette"), &parameter("seed")}) {
         add_parameter(command, p, *info, kPicture);
     }
     add_parameter(command, p, parameter("max_leaf_size"), kPipeline);

@@ -184,6 +184,46 @@ TEST_CASE("pipeline: two runs are equal bit by bit, and another seed gives anoth
     CHECK(differing_pixels(render("cornell", p), first) > 100);
 }
 
+TEST_CASE("pipeline: with roulette paths end early, and the image is the same on average",
+          "[emulation][pipeline]") {
+    PipelineParameters p = tiny(12, 12);
+    p.bounces = 5;
+    p.spp = 64;
+    PipelineParameters short_paths = p;
+    short_paths.roulette = 1;
+    // Differences of independent renders: their mean is 0 within five standard errors.
+    std::vector<double> differences;
+    std::uint64_t rays = 0;
+    std::uint64_t rays_of_short = 0;
+    for (std::uint64_t seed = 0; seed < 24; ++seed) {
+        p.seed = seed;
+        short_paths.seed = 1000 + seed;
+        const auto mean = [](const PipelineParameters& q, std::uint64_t& traced) {
+            Pipeline pipeline(scene_named("cornell"), bvh_of("cornell", q.width), q, {2});
+            const Image image = pipeline.render();
+            for (const auto& launch : pipeline.launches()) {
+                if (launch.kind == StageKind::intersect) traced += launch.items;
+            }
+            double sum = 0.0;
+            for (const auto& pixel : image.pixels) sum += double{pixel.x} + pixel.y + pixel.z;
+            return sum / static_cast<double>(image.pixels.size());
+        };
+        differences.push_back(mean(p, rays) - mean(short_paths, rays_of_short));
+    }
+    double mean = 0.0;
+    for (const double d : differences) mean += d / static_cast<double>(differences.size());
+    double variance = 0.0;
+    for (const double d : differences) variance += (d - mean) * (d - mean);
+    const auto n = static_cast<double>(differences.size());
+    CHECK(std::abs(mean) < 5.0 * std::sqrt(variance / (n * (n - 1))));
+    CHECK(10 * rays_of_short < 9 * rays);
+    p.roulette = 64;  // never reached
+    CHECK(differing_pixels(render("cornell", p), [&] {
+              p.roulette = 0;
+              return render("cornell", p);
+          }()) == 0);
+}
+
 TEST_CASE("pipeline: the image is the one that Embree's traversal gives, bit for bit",
           "[emulation][pipeline]") {
     for (const char* scene : {"cornell", "spheres", "furnace"}) {

@@ -316,6 +316,47 @@ TEST_CASE("scatter: throughput is multiplied by the material, and black ends the
     CHECK(next().flags == 0);
 }
 
+TEST_CASE("roulette: a path goes on with its throughput's probability, and carries the more",
+          "[reference][path]") {
+    PathParameters parameters;
+    const Vec3 carried(0.125f, 0.25f, 0.0f);
+    CHECK(survival(parameters, 64, carried) == 1.0f);  // off
+    parameters.roulette = 2;
+    CHECK(survival(parameters, 1, carried) == 1.0f);
+    CHECK(survival(parameters, 2, carried) == 0.25f);
+    CHECK(survival(parameters, 3, Vec3(1.5f)) == 1.0f);
+
+    const Scene scene = floor_scene(1.0f);  // of albedo 0.5
+    const Ray view = straight_down(0.3f, 0.5f, 0.2f);
+    const Hit hit = closest(scene, view);
+    parameters.bounces = 8;
+    Vec3 sum(0.0f);
+    int alive = 0;
+    constexpr int kRounds = 1024;
+    for (int i = 0; i < kRounds; ++i) {
+        Random4 random = random_of(3);
+        random.d = static_cast<float>(i) / kRounds;
+        const Scattered next =
+            scatter(view_of(scene), parameters, 2, view, hit, carried, kPathAlive, random);
+        sum += next.throughput;
+        alive += (next.flags & kPathAlive) != 0;
+        CHECK(is_dead(next.ray) == ((next.flags & kPathAlive) == 0));
+    }
+    CHECK(alive == kRounds / 8);  // 0.5 times 0.25
+    CHECK(sum * (1.0f / kRounds) == carried * 0.5f);
+    // Before its time it changes nothing, and what a path has met is kept where it ends.
+    Random4 last = random_of(3);
+    last.d = 0.999f;
+    CHECK(scatter(view_of(scene), parameters, 0, view, hit, carried, kPathAlive, last).throughput ==
+          carried * 0.5f);
+    Scene glowing = scene;
+    glowing.materials[0].emission = Vec3(3.0f);
+    const Scattered end = scatter(view_of(glowing), parameters, 2, view, hit, carried,
+                                  kPathAlive | kPathSpecular, last);
+    CHECK((end.flags & kPathAlive) == 0);
+    CHECK(end.emitted == carried * 3.0f);
+}
+
 TEST_CASE("scatter: a smooth normal never sends a path to the wrong side", "[reference][path]") {
     rc::prop("sides", [](std::uint32_t seed) {
         Random random(seed);
