@@ -13,8 +13,10 @@ using reference::Vec3;
 namespace {
 
 constexpr std::array kMaterialNames = {"diffuse", "mirror", "glass"};
-constexpr std::array kLightNames = {"parallelogram", "triangle",    "point",
-                                    "directional",   "environment", "hemisphere"};
+static_assert(kMaterialNames.size() == reference::kMaterialKinds);
+constexpr std::array kLightNames = {"parallelogram", "triangle",   "point", "directional",
+                                    "environment",   "hemisphere", "spot"};
+static_assert(kLightNames.size() == reference::kLightKinds);
 
 /// The words that loaders use for what a picture lacks.
 bool says_unsupported(const std::string& warning) {

@@ -18,10 +18,12 @@ struct SceneSummary {
     std::size_t triangles = 0;
     std::size_t empty_triangles = 0;  ///< of zero area: never hit
     std::size_t vertices = 0;
-    std::size_t smooth_vertices = 0;         ///< with a normal of their own
-    std::array<std::size_t, 3> materials{};  ///< by reference::MaterialKind
+    std::size_t smooth_vertices = 0;  ///< with a normal of their own
+    /// By reference::MaterialKind.
+    std::array<std::size_t, reference::kMaterialKinds> materials{};
     std::size_t emissive_materials = 0;
-    std::array<std::size_t, 6> lights{};  ///< by reference::LightKind
+    /// By reference::LightKind.
+    std::array<std::size_t, reference::kLightKinds> lights{};
     reference::Camera camera;
     reference::Bounds extents;
     /// The scene's warnings: what the file has and is not shown as it says, and what was repaired,

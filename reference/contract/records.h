@@ -4,6 +4,7 @@
 /// that id. Layouts are part of the contract: a capture holds these bytes.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "reference/base/host_device.h"
@@ -86,6 +87,7 @@ SCOTTY_HD bool is_leaf(std::uint32_t node_ref) { return (node_ref & kLeafBit) !=
 SCOTTY_HD std::uint32_t ref_index(std::uint32_t node_ref) { return node_ref & ~kLeafBit; }
 
 enum class MaterialKind : std::uint32_t { diffuse = 0, mirror = 1, glass = 2 };
+constexpr std::size_t kMaterialKinds = 3;
 
 /// What a surface does with light. Emission is a property of its own: a diffuse surface may glow.
 struct Material {
@@ -108,6 +110,7 @@ enum class LightKind : std::uint32_t {
     hemisphere = 5,   ///< the same from the half around `normal`, black from the other
     spot = 6          ///< a point that shines into a cone around `normal`; see SpotCone
 };
+constexpr std::size_t kLightKinds = 7;
 
 struct Light {
     LightKind kind = LightKind::point;

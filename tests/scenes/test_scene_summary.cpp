@@ -26,7 +26,7 @@ TEST_CASE("summary: a COLLADA file", "[scenes][summary]") {
     CHECK(summary.triangles == 4);
     CHECK(summary.vertices == 8);
     CHECK(summary.smooth_vertices == 8);
-    CHECK(summary.materials == std::array<std::size_t, 3>{2, 0, 0});
+    CHECK(summary.materials == decltype(summary.materials){2});
     CHECK(summary.emissive_materials == 1);
     CHECK(summary.lights[1] == 2);
     CHECK(summary.lights[4] == 1);
