@@ -124,6 +124,11 @@ GltfMaterial read_gltf_material(const GltfObject& object, Notes& notes) {
     const Vec3 base = rounded({colour[0], colour[1], colour[2]});
     double metallic = pbr ? pbr->number("metallicFactor", 1.0) : 1.0;
     double roughness = pbr ? pbr->number("roughnessFactor", 1.0) : 1.0;
+    if (pbr && pbr->has("metallicRoughnessTexture")) {
+        notes.add("a texture of metal and roughness is not supported: diffuse");
+        metallic = 0.0;
+        roughness = 1.0;
+    }
     if (gloss) {
         notes.add("specular highlights are not supported: diffuse part only");
         metallic = 0.0;
