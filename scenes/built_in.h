@@ -21,6 +21,7 @@ extern const Generator kBlob;
 extern const Generator kFurnace;
 extern const Generator kVeil;
 extern const Generator kSlivers;
+extern const Generator kMetals;
 
 /// The Cornell box that several scenes stand in: x and z from -1 to 1, y from 0 to 2, open at
 /// z = 1 where the camera looks in; a square lamp a centimetre under the ceiling.

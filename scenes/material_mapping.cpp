@@ -19,10 +19,16 @@ Material material_from_metallic_roughness(const Vec3& base_colour, float metalli
                                           Notes& notes) {
     Material material;
     material.reflectance = clamped_tint(base_colour, notes);
-    if (metallic >= 0.999f && roughness <= 0.001f) {
+    if (metallic > 0.001f && metallic < 0.999f) {
+        notes.add("a surface between metal and not is not supported: it is what it is more of");
+    }
+    if (metallic < 0.5f) {
+        if (roughness < 1.0f) notes.add("gloss on what is no metal is not supported: diffuse");
+    } else if (roughness <= 0.001f) {
         material.kind = MaterialKind::mirror;
-    } else if (metallic > 0.0f || roughness < 1.0f) {
-        notes.add("metal and gloss between the extremes are not supported: diffuse");
+    } else {
+        material.kind = MaterialKind::conductor;
+        material.ior = std::min(roughness, 1.0f);
     }
     return material;
 }

@@ -12,7 +12,7 @@ using reference::Vec3;
 
 namespace {
 
-constexpr std::array kMaterialNames = {"diffuse", "mirror", "glass"};
+constexpr std::array kMaterialNames = {"diffuse", "mirror", "glass", "rough metal"};
 static_assert(kMaterialNames.size() == reference::kMaterialKinds);
 constexpr std::array kLightNames = {"parallelogram", "triangle",   "point", "directional",
                                     "environment",   "hemisphere", "spot"};

@@ -20,9 +20,9 @@ using reference::Scene;
 
 namespace {
 
-const std::array<const Generator*, 7>& generators() {
-    static const std::array<const Generator*, 7> table = {&kCornell, &kSpheres, &kCoil,   &kBlob,
-                                                          &kFurnace, &kVeil,    &kSlivers};
+const std::array<const Generator*, 8>& generators() {
+    static const std::array<const Generator*, 8> table = {
+        &kCornell, &kSpheres, &kCoil, &kBlob, &kFurnace, &kVeil, &kSlivers, &kMetals};
     return table;
 }
 

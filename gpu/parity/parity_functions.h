@@ -21,7 +21,7 @@ struct ParityOperands {
     float x[12];
 };
 struct ParityWords {
-    std::uint32_t word[8];
+    std::uint32_t word[9];
 };
 
 SCOTTY_HD std::uint32_t parity_bits(float value) {
@@ -199,11 +199,12 @@ SCOTTY_HD ParityWords parity_case(ParityCase which, const ParityOperands& o) {
         }
         case ParityCase::sample_bsdf: {
             reference::Material material;
-            const std::uint32_t kind = static_cast<std::uint32_t>(3.0f * unit_of(x[5]));
+            const std::uint32_t kind = static_cast<std::uint32_t>(4.0f * unit_of(x[5]));
             material.kind = static_cast<reference::MaterialKind>(kind);
             material.reflectance = Vec3(unit_of(x[6]), unit_of(x[7]), unit_of(x[8]));
             material.transmittance = material.reflectance;
-            material.ior = 1.0f + unit_of(x[9]);
+            const bool rough = material.kind == reference::MaterialKind::conductor;
+            material.ior = rough ? unit_of(x[9]) : 1.0f + unit_of(x[9]);
             const Vec3 normal = unit_vector_of(x[0], x[1]);
             Vec3 incoming = unit_vector_of(x[3], x[4]);
             if (reference::dot(incoming, normal) > 0.0f) incoming = incoming * -1.0f;
@@ -212,6 +213,8 @@ SCOTTY_HD ParityWords parity_case(ParityCase which, const ParityOperands& o) {
                                        {unit_of(x[2]), unit_of(x[5]), unit_of(x[11]), 0.0f});
             put(out, 0, sample.direction);
             put(out, 3, sample.weight);
+            put(out, 6,
+                reference::evaluate_bsdf(material, incoming * -1.0f, sample.direction, normal));
             break;
         }
         case ParityCase::area_light: {

@@ -86,20 +86,44 @@ constexpr std::uint32_t kLeafBit = 0x80000000u;
 SCOTTY_HD bool is_leaf(std::uint32_t node_ref) { return (node_ref & kLeafBit) != 0; }
 SCOTTY_HD std::uint32_t ref_index(std::uint32_t node_ref) { return node_ref & ~kLeafBit; }
 
-enum class MaterialKind : std::uint32_t { diffuse = 0, mirror = 1, glass = 2 };
-constexpr std::size_t kMaterialKinds = 3;
+enum class MaterialKind : std::uint32_t {
+    diffuse = 0,
+    mirror = 1,
+    glass = 2,
+    conductor = 3  ///< rough metal: GGX microfacets
+};
+constexpr std::size_t kMaterialKinds = 4;
 
 /// What a surface does with light. Emission is a property of its own: a diffuse surface may glow.
 struct Material {
     MaterialKind kind = MaterialKind::diffuse;
-    Vec3 reflectance{0.0f, 0.0f, 0.0f};    ///< albedo of diffuse, tint of mirror and glass; 0..1
+    /// Albedo of diffuse, tint of mirror and glass, of a conductor what it reflects head on; 0..1.
+    Vec3 reflectance{0.0f, 0.0f, 0.0f};
     Vec3 transmittance{0.0f, 0.0f, 0.0f};  ///< tint of refraction (glass); 0..1
-    float ior = 1.0f;                      ///< index of refraction inside (glass)
-    Vec3 emission{0.0f, 0.0f, 0.0f};       ///< radiance leaving the front side (winding), W/m^2/sr
+    /// Index of refraction inside (glass). A conductor keeps its roughness here, 0..1.
+    float ior = 1.0f;
+    Vec3 emission{0.0f, 0.0f, 0.0f};  ///< radiance leaving the front side (winding), W/m^2/sr
     /// 1 where a Light of the scene stands for this emission: then a path counts it only where it
     /// is seen directly or in a mirror, never a second time after light sampling.
     std::uint32_t emission_is_sampled = 0;
 };
+
+/// A lobe narrower than this is found by scattering only, like a mirror's: lights that have an
+/// extent are not sampled for it, and emission that a path meets after it counts. Wider ones are
+/// lit by light samples only, like diffuse surfaces. Each light is counted once either way.
+constexpr float kSharpRoughness = 0.3f;
+/// A smoother conductor is taken to be this rough: below it floats cannot resolve the lobe.
+constexpr float kLeastRoughness = 0.02f;
+
+/// All light leaves in one direction for each that arrives: its BSDF has no values.
+SCOTTY_HD bool is_smooth(const Material& material) {
+    return material.kind == MaterialKind::mirror || material.kind == MaterialKind::glass;
+}
+/// What follows a scattering counts as seen directly.
+SCOTTY_HD bool is_sharp(const Material& material) {
+    return is_smooth(material) ||
+           (material.kind == MaterialKind::conductor && material.ior < kSharpRoughness);
+}
 
 enum class LightKind : std::uint32_t {
     parallelogram = 0,  ///< position + x edge_x + y edge_y, x and y in [0, 1]
@@ -111,6 +135,11 @@ enum class LightKind : std::uint32_t {
     spot = 6          ///< a point that shines into a cone around `normal`; see SpotCone
 };
 constexpr std::size_t kLightKinds = 7;
+/// A path can meet it: it has an area, or fills a part of the sky.
+SCOTTY_HD bool has_extent(LightKind kind) {
+    return kind == LightKind::parallelogram || kind == LightKind::triangle ||
+           kind == LightKind::environment || kind == LightKind::hemisphere;
+}
 
 struct Light {
     LightKind kind = LightKind::point;

@@ -91,7 +91,7 @@ void check_geometry(const Scene& scene, const Checker& check) {
 }
 
 void check_material(const Material& material, std::size_t i, const Checker& check) {
-    if (material.kind > MaterialKind::glass) {
+    if (static_cast<std::uint32_t>(material.kind) >= kMaterialKinds) {
         check.fail(fmt::format("material {}", i),
                    fmt::format("kind: expected 0 (diffuse), 1 (mirror) or 2 (glass), found {}",
                                static_cast<std::uint32_t>(material.kind)));
@@ -99,7 +99,11 @@ void check_material(const Material& material, std::size_t i, const Checker& chec
     check.in_range(material.reflectance, 0.0f, 1.0f, "material", i, "reflectance");
     check.in_range(material.transmittance, 0.0f, 1.0f, "material", i, "transmittance");
     check.in_range(material.emission, 0.0f, kMaxRadiance, "material", i, "emission");
-    check.in_range(material.ior, 1.0f / kMaxIor, kMaxIor, "material", i, "index of refraction");
+    if (material.kind == MaterialKind::conductor) {
+        check.in_range(material.ior, 0.0f, 1.0f, "material", i, "roughness");
+    } else {
+        check.in_range(material.ior, 1.0f / kMaxIor, kMaxIor, "material", i, "index of refraction");
+    }
     if (material.emission_is_sampled > 1) {
         check.fail(fmt::format("material {}", i),
                    fmt::format("emission_is_sampled: expected 0 or 1, found {}",

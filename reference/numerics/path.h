@@ -71,18 +71,21 @@ SCOTTY_HD DirectLight sample_direct_light(const SceneView& scene, const PathPara
     if (!is_hit(hit) || scene.light_count == 0) return nothing;
     const Surface surface = surface_at(scene, ray, hit);
     const Material& material = scene.materials[surface.material];
-    if (material.kind != MaterialKind::diffuse) return nothing;
+    if (is_smooth(material)) return nothing;
 
     const auto count = static_cast<float>(scene.light_count);
     const auto picked = static_cast<std::uint32_t>(random.a * count);
     const std::uint32_t index = picked < scene.light_count ? picked : scene.light_count - 1;
+    if (is_sharp(material) && has_extent(scene.lights[index].kind)) return nothing;
     const LightSample light = sample_light(scene.lights[index], surface, random.b, random.c);
     const float cosine = dot(light.direction, surface.shading_normal);
     if (!(cosine > 0.0f) || !(dot(light.direction, surface.geometric_normal) > 0.0f)) {
         return nothing;
     }
     const float weight = cosine * count / (kPi * static_cast<float>(parameters.light_samples));
-    const Vec3 potential = throughput * material.reflectance * light.irradiance * weight;
+    const Vec3 value =
+        evaluate_bsdf(material, ray.direction * -1.0f, light.direction, surface.shading_normal);
+    const Vec3 potential = throughput * value * light.irradiance * weight;
     if (!(max_component(potential) > 0.0f)) return nothing;
     return {shadow_ray(surface, light), potential};
 }
@@ -126,10 +129,10 @@ SCOTTY_HD Scattered scatter(const SceneView& scene, const PathParameters& parame
     BsdfSample next =
         sample_bsdf(material, ray.direction, surface.shading_normal, surface.front, random);
     // A smooth normal can send the ray through the surface it should leave, or back from the one
-    // it should pass: specular materials fall back to the flat normal, diffuse ones absorb.
+    // it should pass: smooth materials fall back to the flat normal, all others absorb.
     const bool crosses = dot(next.direction, surface.geometric_normal) < 0.0f;
     if (crosses != next.transmitted) {
-        if (!next.specular) return end;
+        if (!is_smooth(material)) return end;
         next =
             sample_bsdf(material, ray.direction, surface.geometric_normal, surface.front, random);
     }

@@ -7,10 +7,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <map>
 #include <numbers>
-
-#include "reference/numerics/intersect_triangle.h"
 
 namespace scotty::reference {
 
@@ -50,6 +47,70 @@ Double3 cosine_direction(const Double3& normal, double u, double v) {
 Double3 mirrored(const Double3& incoming, const Double3& normal) {
     return glm::normalize(incoming - 2.0 * glm::dot(incoming, normal) * normal);
 }
+
+/// A rough metal after Cook and Torrance, by angles: GGX facets, Smith's correlated masking,
+/// Schlick's Fresnel term. All directions leave the surface.
+class RoughMetal {
+ public:
+    explicit RoughMetal(const Material& material)
+        : head_on_(exactly(material.reflectance)),
+          alpha_(std::pow(std::max(material.ior, kLeastRoughness), 2.0)) {}
+
+    /// Times the cosine at the light: what of its light goes to the viewer.
+    Double3 sent(const Double3& viewer, const Double3& light, const Double3& normal) const {
+        const double cos_viewer = glm::dot(viewer, normal);
+        const double cos_light = glm::dot(light, normal);
+        if (!(cos_viewer > 0.0) || !(cos_light > 0.0)) return Double3(0.0);
+        const Double3 half = glm::normalize(viewer + light);
+        const double tangent2 = tangent2_of(half, normal);
+        const double cos2 = 1.0 / (1.0 + tangent2);
+        const double facets = 1.0 / (kOnePi * alpha_ * alpha_ * cos2 * cos2 *
+                                     std::pow(1.0 + tangent2 / (alpha_ * alpha_), 2.0));
+        return reflected(glm::dot(half, light)) *
+               (facets * unmasked(viewer, light, normal) / (4.0 * cos_viewer));
+    }
+
+    /// A facet by the distribution of all facets, seen or not, and the light that it reflects.
+    std::pair<Double3, Double3> sample(const Double3& viewer, const Double3& normal, double u,
+                                       double v) const {
+        const double tangent = alpha_ * std::sqrt(u / (1.0 - u));
+        const double cosine = 1.0 / std::sqrt(1.0 + tangent * tangent);
+        const Double3 other = std::abs(normal.x) < 0.5 ? Double3(1, 0, 0) : Double3(0, 1, 0);
+        const Double3 x = glm::normalize(glm::cross(other, normal));
+        const Double3 y = glm::cross(normal, x);
+        const double azimuth = 2.0 * kOnePi * v;
+        const Double3 half =
+            glm::normalize(normal + tangent * (std::cos(azimuth) * x + std::sin(azimuth) * y));
+        const double along = glm::dot(viewer, half);
+        const Double3 light = glm::normalize(2.0 * along * half - viewer);
+        const double cos_viewer = glm::dot(viewer, normal);
+        if (!(along > 0.0) || !(cos_viewer > 0.0) || !(glm::dot(light, normal) > 0.0)) {
+            return {light, Double3(0.0)};
+        }
+        return {light, reflected(along) *
+                           (unmasked(viewer, light, normal) * along / (cos_viewer * cosine))};
+    }
+
+ private:
+    static double tangent2_of(const Double3& direction, const Double3& normal) {
+        const double cosine = glm::dot(direction, normal);
+        const Double3 sine = glm::cross(direction, normal);
+        return glm::dot(sine, sine) / (cosine * cosine);
+    }
+    /// Smith's auxiliary function of shadowed facets.
+    double shadowed(const Double3& direction, const Double3& normal) const {
+        return 0.5 * (std::sqrt(1.0 + alpha_ * alpha_ * tangent2_of(direction, normal)) - 1.0);
+    }
+    double unmasked(const Double3& viewer, const Double3& light, const Double3& normal) const {
+        return 1.0 / (1.0 + shadowed(viewer, normal) + shadowed(light, normal));
+    }
+    Double3 reflected(double cosine) const {
+        return head_on_ + (1.0 - head_on_) * std::pow(1.0 - std::min(1.0, cosine), 5.0);
+    }
+
+    Double3 head_on_;
+    double alpha_;
+};
 
 /// What an interface between two dielectrics does with a ray, after Snell and Fresnel.
 struct Interface {
@@ -102,26 +163,6 @@ double distance_to_light(const Light& light, const Double3& origin, const Double
     return inside ? distance : kNowhere;
 }
 
-std::vector<std::vector<std::uint32_t>> find_coincident(const Scene& scene) {
-    using Corner = std::array<float, 3>;
-    std::map<std::array<Corner, 3>, std::vector<std::uint32_t>> places;
-    for (std::uint32_t i = 0; i < scene.triangles.size(); ++i) {
-        std::array<Corner, 3> corners;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const Vec3& v = scene.vertices[scene.triangles[i][k]];
-            corners[k] = {v.x, v.y, v.z};
-        }
-        std::sort(corners.begin(), corners.end());
-        places[corners].push_back(i);
-    }
-    std::vector<std::vector<std::uint32_t>> by_triangle(scene.triangles.size());
-    for (const auto& [corners, triangles] : places) {
-        if (triangles.size() == 1) continue;
-        for (const std::uint32_t triangle : triangles) by_triangle[triangle] = triangles;
-    }
-    return by_triangle;
-}
-
 }  // namespace
 
 double PathNumbers::next() {
@@ -143,7 +184,7 @@ PathEstimator::PathEstimator(const Scene& scene, const PipelineParameters& param
       scattering_finds_light_(
           std::any_of(scene.lights.begin(), scene.lights.end(),
                       [](const Light& light) { return is_area(light) || is_sky(light); })),
-      coincident_(find_coincident(scene)) {}
+      coincident_(scene) {}
 
 Double3 PathEstimator::radiance(std::uint32_t pixel, std::uint64_t sample) const {
     PathNumbers numbers(parameters_.seed, pixel, sample);
@@ -162,10 +203,15 @@ Double3 PathEstimator::radiance(std::uint32_t pixel, std::uint64_t sample) const
             gathered += throughput * exactly(material.emission);
         }
         const bool lit = samples_lights_ && material.kind == MaterialKind::diffuse;
-        if (lit) gathered += throughput * light_by_lights(*vertex, numbers);
+        // Of a metal the lights without extent: the others are found by the ray that leaves it.
+        const bool metal = samples_lights_ && material.kind == MaterialKind::conductor;
+        if (lit || metal) {
+            gathered += throughput * light_by_lights(*vertex, segment.direction, numbers);
+        }
 
         const bool last = bounce == parameters_.bounces;
-        if (last && !(lit && scattering_finds_light_)) return gathered;
+        const bool wide_metal = metal && !is_sharp(material);
+        if (last && !((lit || wide_metal) && scattering_finds_light_)) return gathered;
         const std::optional<Scattering> next = scatter(*vertex, segment.direction, numbers);
         if (!next || !(largest(throughput * next->weight) > 0.0)) return gathered;
         throughput *= next->weight;
@@ -173,6 +219,7 @@ Double3 PathEstimator::radiance(std::uint32_t pixel, std::uint64_t sample) const
         segment = leave(*vertex, next->direction);
         vertex = find(segment);
         if (lit) gathered += throughput * light_by_scattering(segment, cosine, vertex);
+        if (wide_metal) gathered += throughput * light_by_scattering(segment, {}, vertex);
         if (last) return gathered;
         seen = next->specular;
     }
@@ -196,31 +243,11 @@ PathEstimator::Segment PathEstimator::camera_segment(std::uint32_t pixel,
     return {exactly(camera.position), glm::normalize(through)};
 }
 
-/// Which of several surfaces in the same place is seen is nothing that light could tell: it is the
-/// contract's triangle test and tie rule that say so, and they are asked.
-Hit PathEstimator::resolve_coincident(const Ray& ray, const Hit& hit) const {
-    Hit best = hit;
-    bool found = false;
-    for (const std::uint32_t triangle : coincident_[hit.primitive]) {
-        const auto& corner = scene_.triangles[triangle];
-        Hit candidate{0.0f, triangle, 0.0f, 0.0f};
-        if (!intersect_triangle(ray, safe_inverse(ray.direction), ray_shear(ray.direction),
-                                scene_.vertices[corner[0]], scene_.vertices[corner[1]],
-                                scene_.vertices[corner[2]], candidate)) {
-            continue;
-        }
-        if (found && !closer(candidate.t, triangle, best.t, best.primitive)) continue;
-        best = candidate;
-        found = true;
-    }
-    return best;
-}
-
 std::optional<PathEstimator::Vertex> PathEstimator::find(const Segment& segment) const {
     const Ray ray{rounded(segment.origin), 0.0f, rounded(segment.direction), kInfinity};
     Hit hit = tracer_.closest(ray);
     if (!is_hit(hit)) return std::nullopt;
-    if (!coincident_[hit.primitive].empty()) hit = resolve_coincident(ray, hit);
+    hit = coincident_.seen(ray, hit);
 
     const auto& corner = scene_.triangles[hit.primitive];
     const Double3 v0 = exactly(scene_.vertices[corner[0]]);
@@ -294,13 +321,16 @@ Double3 PathEstimator::from_area_light(const Light& light, const Vertex& vertex,
     return exactly(light.radiance) * (cosine / kOnePi / (light_density + scatter_density));
 }
 
-Double3 PathEstimator::light_by_lights(const Vertex& vertex, PathNumbers& numbers) const {
-    Double3 arriving(0.0);  // times cosine / pi
+Double3 PathEstimator::light_by_lights(const Vertex& vertex, const Double3& incoming,
+                                       PathNumbers& numbers) const {
+    const bool metal = vertex.material->kind == MaterialKind::conductor;
+    Double3 sent(0.0);
     for (const Light& light : scene_.lights) {
         if (is_area(light)) {
+            if (metal) continue;
             const double u = numbers.next();
             const double v = numbers.next();
-            arriving += from_area_light(light, vertex, u, v);
+            sent += exactly(vertex.material->reflectance) * from_area_light(light, vertex, u, v);
             continue;
         }
         if (is_sky(light)) continue;
@@ -318,17 +348,19 @@ Double3 PathEstimator::light_by_lights(const Vertex& vertex, PathNumbers& number
         const bool is_lit = is_point ? is_free(vertex, exactly(light.position))
                                      : is_free_towards(vertex, direction);
         if (!is_lit) continue;
-        arriving +=
-            exactly(light.radiance) * (share * cosine / kOnePi / (is_point ? distance2 : 1.0));
+        const Double3 towards_viewer =
+            metal ? RoughMetal(*vertex.material).sent(-incoming, direction, vertex.shading_normal)
+                  : exactly(vertex.material->reflectance) * (cosine / kOnePi);
+        sent += towards_viewer * exactly(light.radiance) * (share / (is_point ? distance2 : 1.0));
     }
-    return exactly(vertex.material->reflectance) * arriving;
+    return sent;
 }
 
-Double3 PathEstimator::light_by_scattering(const Segment& segment, double cosine,
+Double3 PathEstimator::light_by_scattering(const Segment& segment, std::optional<double> cosine,
                                            const std::optional<Vertex>& next) const {
     Double3 arriving(0.0);
     if (!next) arriving += sky(segment.direction);
-    const double scatter_density = cosine / kOnePi;
+    const double scatter_density = cosine.value_or(0.0) / kOnePi;
     for (const Light& light : scene_.lights) {
         if (!is_area(light)) continue;
         const double distance = distance_to_light(light, segment.origin, segment.direction);
@@ -338,7 +370,8 @@ Double3 PathEstimator::light_by_scattering(const Segment& segment, double cosine
         const double in_front = distance - kLift * largest(on_light) / cos_light;
         if (next && next->distance < in_front) continue;
         const double light_density = distance * distance / (cos_light * light.area);
-        arriving += exactly(light.radiance) * (scatter_density / (light_density + scatter_density));
+        const double share = cosine ? scatter_density / (light_density + scatter_density) : 1.0;
+        arriving += exactly(light.radiance) * share;
     }
     return arriving;
 }
@@ -365,6 +398,12 @@ std::optional<PathEstimator::Scattering> PathEstimator::scatter(const Vertex& ve
         // A smooth normal's hemisphere reaches below the surface: that part is absorbed.
         if (!(glm::dot(out, vertex.geometric_normal) > 0.0)) return std::nullopt;
         return Scattering{out, exactly(material.reflectance), false};
+    }
+    if (material.kind == MaterialKind::conductor) {
+        const auto [out, weight] =
+            RoughMetal(material).sample(-incoming, vertex.shading_normal, first, second);
+        if (!(glm::dot(out, vertex.geometric_normal) > 0.0)) return std::nullopt;
+        return Scattering{out, weight, is_sharp(material)};
     }
     // By the smooth normal first; where that leads to the wrong side, by the flat one, which
     // cannot. The number that chose between reflection and refraction chooses again.

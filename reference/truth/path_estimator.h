@@ -14,6 +14,7 @@
 
 #include "reference/contract/pipeline_parameters.h"
 #include "reference/contract/scene.h"
+#include "reference/truth/coincident.h"
 #include "reference/truth/tracers.h"
 
 namespace scotty::reference {
@@ -65,16 +66,18 @@ class PathEstimator {
 
     Segment camera_segment(std::uint32_t pixel, PathNumbers& numbers) const;
     std::optional<Vertex> find(const Segment& segment) const;
-    Hit resolve_coincident(const Ray& ray, const Hit& hit) const;
     bool is_free(const Vertex& from, const Double3& to) const;
     bool is_free_towards(const Vertex& from, const Double3& direction) const;
     Segment leave(const Vertex& vertex, const Double3& direction) const;
 
-    /// All lights but the sky, by samples of the lights.
-    Double3 light_by_lights(const Vertex& vertex, PathNumbers& numbers) const;
+    /// All lights but the sky, by samples of the lights; for a metal those without extent only.
+    Double3 light_by_lights(const Vertex& vertex, const Double3& incoming,
+                            PathNumbers& numbers) const;
     Double3 from_area_light(const Light& light, const Vertex& vertex, double u, double v) const;
-    /// Area lights and sky, by the ray that leaves a diffuse vertex and what it meets.
-    Double3 light_by_scattering(const Segment& segment, double cosine,
+    /// Area lights and sky, by the ray that leaves a vertex and what it meets. `cosine` at a
+    /// diffuse vertex, which takes its share beside light_by_lights(); none where nobody else finds
+    /// them.
+    Double3 light_by_scattering(const Segment& segment, std::optional<double> cosine,
                                 const std::optional<Vertex>& next) const;
     Double3 sky(const Double3& direction) const;
     std::optional<Scattering> scatter(const Vertex& vertex, const Double3& incoming,
@@ -85,8 +88,7 @@ class PathEstimator {
     PipelineParameters parameters_;
     bool samples_lights_;
     bool scattering_finds_light_;  ///< there are area lights or a sky
-    /// Triangles that lie exactly on each other, by triangle: empty where there is but one.
-    std::vector<std::vector<std::uint32_t>> coincident_;
+    CoincidentTriangles coincident_;
 };
 
 }  // namespace scotty::reference

@@ -42,14 +42,14 @@ bool meets(const Scene& scene, std::size_t triangle, const Vec3& origin, const V
 
 }  // namespace
 
-TEST_CASE("built-in scenes: the seven, in the order they are verified", "[scenes]") {
+TEST_CASE("built-in scenes: the eight, in the order they are verified", "[scenes]") {
     std::vector<std::string> names;
     for (const auto& entry : scenes::built_in_scenes()) {
         names.push_back(entry.name);
         CHECK_FALSE(entry.description.empty());
     }
     CHECK(names == std::vector<std::string>{"cornell", "spheres", "coil", "blob", "furnace", "veil",
-                                            "slivers"});
+                                            "slivers", "metals"});
 }
 
 TEST_CASE("built-in scenes: every one is valid, named, unit in its normals and the same twice",

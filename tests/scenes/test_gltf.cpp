@@ -165,7 +165,17 @@ TEST_CASE("gltf: materials", "[scenes][gltf]") {
     CHECK(mirror.kind == MaterialKind::mirror);
     CHECK(mirror.reflectance == Vec3(0.9f, 0.8f, 0.7f));
     CHECK(material_of(json::object()).reflectance == Vec3(1, 1, 1));
-    CHECK(warns(load_material({{"pbrMetallicRoughness", metal(0.5, 1)}}), "metal and gloss"));
+    const Material rough = material_of({{"pbrMetallicRoughness", metal(1, 0.25)}});
+    CHECK(rough.kind == MaterialKind::conductor);
+    CHECK(rough.ior == 0.25f);
+    CHECK(rough.reflectance == Vec3(0.9f, 0.8f, 0.7f));
+    CHECK(load_material({{"pbrMetallicRoughness", metal(1, 0.25)}}).warnings.size() ==
+          load_material({{"pbrMetallicRoughness", metal(1, 0)}}).warnings.size());
+    CHECK(material_of({{"pbrMetallicRoughness", metal(0.5, 1)}}).kind == MaterialKind::conductor);
+    CHECK(material_of({{"pbrMetallicRoughness", metal(0.49, 1)}}).kind == MaterialKind::diffuse);
+    CHECK(warns(load_material({{"pbrMetallicRoughness", metal(0.5, 1)}}), "between metal and not"));
+    CHECK(warns(load_material({{"pbrMetallicRoughness", metal(0, 0.5)}}),
+                "gloss on what is no metal"));
     json glass = {{"pbrMetallicRoughness", metal(0, 0)},
                   {"extensions",
                    {{"KHR_materials_transmission", {{"transmissionFactor", 1}}},

@@ -114,7 +114,7 @@ TEST_CASE("scene: material values out of range name the material and the field",
         check_rejected(scene, "material 0", "index of refraction");
     }
     SECTION("unknown kind") {
-        scene.materials[0].kind = static_cast<MaterialKind>(3);
+        scene.materials[0].kind = static_cast<MaterialKind>(kMaterialKinds);
         check_rejected(scene, "material 0", "kind");
     }
     SECTION("a flag that is none") {

@@ -4,6 +4,7 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <vector>
 
 #include "reference/numerics/bsdf.h"
 #include "tests/reference/meshes.h"
@@ -233,4 +234,196 @@ TEST_CASE("glass: grazing and equal indices give finite directions", "[reference
             }
         }
     }
+}
+
+namespace {
+
+Material metal_of(float roughness, const Vec3& head_on = Vec3(1.0f)) {
+    Material material = material_of(MaterialKind::conductor);
+    material.reflectance = head_on;
+    material.ior = roughness;
+    return material;
+}
+
+Vec3 leaving(double cosine, double azimuth) {
+    const double sine = std::sqrt(1.0 - cosine * cosine);
+    return {static_cast<float>(sine * std::cos(azimuth)),
+            static_cast<float>(sine * std::sin(azimuth)), static_cast<float>(cosine)};
+}
+
+/// The density of directions that the visible facets reflect to, in double, by angles: facets seen
+/// by the viewer (Heitz 2014), and the Jacobian of the reflection.
+double density_of_reflection(double alpha, const Vec3& viewer, const Vec3& light) {
+    const double h[] = {double{viewer.x} + light.x, double{viewer.y} + light.y,
+                        double{viewer.z} + light.z};
+    const double cosine = h[2] / std::sqrt(h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
+    const double tangent2 = (1.0 - cosine * cosine) / (cosine * cosine);
+    const double facets = 1.0 / (M_PI * alpha * alpha * std::pow(cosine, 4) *
+                                 std::pow(1.0 + tangent2 / (alpha * alpha), 2));
+    const double viewer_tangent2 = 1.0 / (double{viewer.z} * viewer.z) - 1.0;
+    const double seen = 2.0 / (1.0 + std::sqrt(1.0 + alpha * alpha * viewer_tangent2));
+    return seen * facets / (4.0 * viewer.z);
+}
+
+constexpr double kRoughnesses[] = {0.3, 0.5, 0.8, 1.0};
+
+}  // namespace
+
+TEST_CASE("rough metal: directions follow the density of visible facets",
+          "[reference][bsdf][metal]") {
+    constexpr int kRings = 24;
+    constexpr int kSectors = 16;
+    constexpr int kParts = 12;  // of a cell's side, for its integral
+    constexpr int kSamples = 200'000;
+    for (const double roughness : kRoughnesses) {
+        for (const double degrees : {5.0, 45.0, 75.0}) {
+            const Vec3 viewer = arriving(degrees) * -1.0f;
+            const Material material = metal_of(static_cast<float>(roughness));
+            const auto cell_of = [&](double cosine, double azimuth) {
+                const int ring = std::min(kRings - 1, static_cast<int>(cosine * kRings));
+                const double turn = azimuth / (2.0 * M_PI) + (azimuth < 0.0 ? 1.0 : 0.0);
+                return ring * kSectors + std::min(kSectors - 1, static_cast<int>(turn * kSectors));
+            };
+            std::vector<double> expected(kRings * kSectors);
+            double above = 0.0;
+            constexpr double kArea = 2.0 * M_PI / (kRings * kSectors * kParts * kParts);
+            for (int i = 0; i < kRings * kParts; ++i) {
+                for (int j = 0; j < kSectors * kParts; ++j) {
+                    const double cosine = (i + 0.5) / (kRings * kParts);
+                    const double azimuth = 2.0 * M_PI * (j + 0.5) / (kSectors * kParts);
+                    const double density =
+                        kArea * density_of_reflection(roughness * roughness, viewer,
+                                                      leaving(cosine, azimuth));
+                    expected[static_cast<std::size_t>(cell_of(cosine, azimuth))] += density;
+                    above += density;
+                }
+            }
+            std::vector<double> counts(expected.size());
+            double below = 0.0;
+            for (std::uint32_t i = 0; i < kSamples; ++i) {
+                const BsdfSample s =
+                    sample_bsdf(material, viewer * -1.0f, kUp, true, random4(7, i, 0, 0, 0));
+                if (s.direction.z <= 0.0f) {
+                    CHECK(s.weight == Vec3(0.0f));
+                    ++below;
+                    continue;
+                }
+                ++counts[static_cast<std::size_t>(
+                    cell_of(s.direction.z, std::atan2(s.direction.y, s.direction.x)))];
+            }
+            // Cells of few are taken together.
+            double rest = 0.0;
+            double expected_rest = 0.0;
+            double chi2 = 0.0;
+            double freedom = -1.0;
+            const auto add = [&](double count, double of) {
+                chi2 += (count - of) * (count - of) / of;
+                ++freedom;
+            };
+            for (std::size_t i = 0; i < counts.size(); ++i) {
+                if (kSamples * expected[i] < 20.0) {
+                    rest += counts[i];
+                    expected_rest += kSamples * expected[i];
+                } else {
+                    add(counts[i], kSamples * expected[i]);
+                }
+            }
+            if (expected_rest > 20.0) add(rest, expected_rest);
+            if (kSamples * (1.0 - above) > 20.0) add(below, kSamples * (1.0 - above));
+            const double spread = 2.0 / (9.0 * freedom);
+            const double z = (std::cbrt(chi2 / freedom) - (1.0 - spread)) / std::sqrt(spread);
+            INFO("roughness " << roughness << ", " << degrees << " degrees, " << freedom);
+            CHECK(z < 4.5);
+        }
+    }
+}
+
+TEST_CASE("rough metal: a sample's weight is the value times cosine over density",
+          "[reference][bsdf][metal]") {
+    rc::prop("weight", [](std::uint32_t seed) {
+        Random random(seed);
+        const double roughness = uniform(random, 0.1f, 1.0f);
+        const Material material = metal_of(static_cast<float>(roughness), Vec3(0.9f, 0.6f, 0.3f));
+        const Vec3 viewer = leaving(uniform(random, 0.1f, 1.0f), uniform(random, 0.0f, 6.0f));
+        const BsdfSample s =
+            sample_bsdf(material, viewer * -1.0f, kUp, true, random4(seed, 1, 2, 3, 4));
+        if (s.direction.z < 0.02f) return;
+        const Vec3 value = evaluate_bsdf(material, viewer, s.direction, kUp);
+        const double alpha = static_cast<double>(material.ior) * material.ior;
+        const double density = density_of_reflection(alpha, viewer, s.direction);
+        for (int k = 0; k < 3; ++k) {
+            const double expected = value[k] / M_PI * s.direction.z / density;
+            RC_ASSERT(std::abs(s.weight[k] - expected) < 2e-3 * expected);
+        }
+    });
+}
+
+TEST_CASE("rough metal: light and viewer can change places", "[reference][bsdf][metal]") {
+    rc::prop("reciprocity", [](std::uint32_t seed) {
+        Random random(seed);
+        const Material material = metal_of(uniform(random, 0.0f, 1.0f), Vec3(0.9f, 0.6f, 0.3f));
+        const Vec3 a = leaving(uniform(random, 0.01f, 1.0f), uniform(random, 0.0f, 6.0f));
+        const Vec3 b = leaving(uniform(random, 0.01f, 1.0f), uniform(random, 0.0f, 6.0f));
+        const Vec3 there = evaluate_bsdf(material, a, b, kUp);
+        const Vec3 back = evaluate_bsdf(material, b, a, kUp);
+        for (int k = 0; k < 3; ++k) {
+            RC_ASSERT(std::abs(there[k] - back[k]) <= 1e-5f * std::abs(there[k]));
+        }
+    });
+    const Vec3 up = leaving(0.5, 1.0);
+    CHECK(evaluate_bsdf(metal_of(0.5f), up, Vec3(0, 0, -1), kUp) == Vec3(0.0f));
+    CHECK(evaluate_bsdf(metal_of(0.5f), Vec3(0.6f, 0, -0.8f), up, kUp) == Vec3(0.0f));
+    CHECK(evaluate_bsdf(material_of(MaterialKind::mirror), up, up, kUp) == Vec3(0.0f));
+    CHECK(evaluate_bsdf(material_of(MaterialKind::diffuse), up, up, kUp) ==
+          Vec3(0.5f, 0.25f, 0.125f));
+}
+
+TEST_CASE(
+    "rough metal: in a white furnace it sends on what its integral says, never more than came",
+    "[reference][bsdf][metal]") {
+    for (const double roughness : {0.3, 0.5, 0.8, 1.0}) {
+        for (const double cosine : {0.15, 0.5, 0.95}) {
+            const Material material = metal_of(static_cast<float>(roughness));
+            const Vec3 viewer = leaving(cosine, 0.7);
+            double integral = 0.0;
+            constexpr int kSteps = 400;
+            for (int i = 0; i < kSteps; ++i) {
+                for (int j = 0; j < kSteps; ++j) {
+                    const double z = (i + 0.5) / kSteps;
+                    const Vec3 light = leaving(z, 2.0 * M_PI * (j + 0.5) / kSteps);
+                    integral += 2.0 * z / (kSteps * kSteps) *
+                                static_cast<double>(evaluate_bsdf(material, viewer, light, kUp).x);
+                }
+            }
+            double sampled = 0.0;
+            constexpr std::uint32_t kSamples = 40'000;
+            for (std::uint32_t i = 0; i < kSamples; ++i) {
+                const Vec3 weight =
+                    sample_bsdf(material, viewer * -1.0f, kUp, true, random4(11, i, 0, 0, 0))
+                        .weight;
+                CHECK(weight.x <= 1.0001f);
+                sampled += static_cast<double>(weight.x) / kSamples;
+            }
+            INFO("roughness " << roughness << ", cosine " << cosine);
+            CHECK(integral <= 1.0005);
+            CHECK(sampled == Approx(integral).margin(0.006));
+            if (roughness == 1.0) {  // facets of all directions alike: there is a closed form
+                CHECK(integral ==
+                      Approx(1.0 - cosine * std::log((1.0 + cosine) / cosine)).margin(1e-3));
+            }
+        }
+    }
+}
+
+TEST_CASE("rough metal: head on it has its colour, at grazing angles it is white",
+          "[reference][bsdf][metal]") {
+    const Vec3 gold(1.0f, 0.78f, 0.34f);
+    CHECK(fresnel_schlick(gold, 1.0f) == gold);
+    CHECK(fresnel_schlick(gold, 0.0f) == Vec3(1.0f));
+    // As smooth as floats allow: nearly all goes the mirror's way.
+    const Vec3 d = arriving(30.0);
+    const BsdfSample s = sample_bsdf(metal_of(0.0f, gold), d, kUp, true, {0.3f, 0.6f, 0.0f, 0.0f});
+    CHECK(length(s.direction - reflect(d, kUp)) < 5e-3f);
+    CHECK(s.specular);
+    CHECK_FALSE(sample_bsdf(metal_of(0.5f, gold), d, kUp, true, {0.3f, 0.6f, 0.0f, 0.0f}).specular);
 }

@@ -357,6 +357,40 @@ TEST_CASE("roulette: a path goes on with its throughput's probability, and carri
     CHECK(end.emitted == carried * 3.0f);
 }
 
+TEST_CASE("rough metal: each light is counted once, by light samples or by scattering",
+          "[reference][path][metal]") {
+    Scene scene = floor_scene(1.0f);
+    add_lamp(scene, Vec3(0, 1, 0), 0.25f, 2.0f);
+    Light point;
+    point.position = Vec3(0.1f, 1.0f, 0.2f);
+    point.radiance = Vec3(1.0f);
+    scene.materials[0].kind = MaterialKind::conductor;
+    PathParameters parameters;
+    const Ray view = straight_down(0.1f, 0.5f, 0.1f);
+    const Hit hit = closest(scene, view);
+    const auto lit = [&] {
+        return max_component(sample_direct_light(view_of(scene), parameters, view, hit, Vec3(1.0f),
+                                                 random_of(0))
+                                 .potential) > 0.0f;
+    };
+    const auto flags = [&] {
+        return scatter(view_of(scene), parameters, 0, view, hit, Vec3(1.0f), kPathAlive,
+                       random_of(0))
+            .flags;
+    };
+    scene.materials[0].ior = 0.29f;
+    CHECK_FALSE(lit());  // the lamp is found by scattering,
+    CHECK(flags() == (kPathAlive | kPathSpecular));
+    scene.lights[0] = point;
+    CHECK(lit());  // a point never is
+    scene.lights[0].kind = LightKind::environment;
+    CHECK_FALSE(lit());
+
+    scene.materials[0].ior = 0.3f;
+    CHECK(lit());
+    CHECK(flags() == kPathAlive);
+}
+
 TEST_CASE("scatter: a smooth normal never sends a path to the wrong side", "[reference][path]") {
     rc::prop("sides", [](std::uint32_t seed) {
         Random random(seed);
@@ -374,21 +408,24 @@ TEST_CASE("scatter: a smooth normal never sends a path to the wrong side", "[ref
         const Ray view{Vec3(0.2f, 0, 0.1f) - direction, 0.0f, direction, kInfinity};
         const Hit hit = closest(scene, view);
         if (!is_hit(hit)) return;
-        for (const MaterialKind kind :
-             {MaterialKind::diffuse, MaterialKind::mirror, MaterialKind::glass}) {
+        for (const MaterialKind kind : {MaterialKind::diffuse, MaterialKind::mirror,
+                                        MaterialKind::glass, MaterialKind::conductor}) {
             scene.materials[0].kind = kind;
+            scene.materials[0].ior = kind == MaterialKind::conductor ? 0.5f : 1.5f;
             const Random4 r{uniform(random, 0, 1), uniform(random, 0, 1), uniform(random, 0, 1), 0};
             const Scattered next =
                 scatter(view_of(scene), {}, 0, view, hit, Vec3(1.0f), kPathAlive, r);
             if ((next.flags & kPathAlive) == 0) {
-                RC_ASSERT(kind == MaterialKind::diffuse);  // only these may absorb
+                RC_ASSERT(!is_smooth(scene.materials[0]));  // only the others absorb
                 continue;
             }
             // The ray starts on the side to which it goes, and weighs what that side is worth.
             RC_ASSERT(next.ray.origin.y * next.ray.direction.y >= 0.0f);
             const bool crossed = next.ray.direction.y * side < 0.0f;
             if (kind != MaterialKind::glass) RC_ASSERT(!crossed);
-            RC_ASSERT((next.throughput.x == 1.0f) == !crossed);
+            if (kind != MaterialKind::conductor) {
+                RC_ASSERT((next.throughput.x == 1.0f) == !crossed);
+            }
         }
     });
 }

@@ -104,7 +104,7 @@ TEST_CASE("list: names every built-in scene, as clean JSON too", "[verify][cli]"
     const Result json = scotty("list --json");
     CHECK(json.exit_code == 0);
     const auto scenes = nlohmann::json::parse(json.out);
-    CHECK(scenes.size() == 7);
+    CHECK(scenes.size() == 8);
     for (const auto& scene : scenes)
         CHECK_THAT(text.out, Contains(scene["name"].get<std::string>()));
 }
@@ -121,7 +121,7 @@ TEST_CASE("golden check: fails and names what is missing, as clean JSON too", "[
     CHECK(json.exit_code == 1);
     const auto result = nlohmann::json::parse(json.out);
     CHECK(result["passed"] == false);
-    CHECK(result["findings"].size() == 7);
+    CHECK(result["findings"].size() == 8);
 }
 
 TEST_CASE("doctor: says what there is, as clean JSON too", "[verify][cli]") {
