@@ -133,27 +133,36 @@ class Pipeline::State {
     DeviceBuffer<std::uint32_t> pixel_{device_, "pixels"}, sample_{device_, "samples"};
     DeviceBuffer<std::uint32_t> depth_{device_, "depths"}, flags_{device_, "flags"};
     DeviceBuffer<Hit> path_hits_{device_, "path hits"}, shadow_hits_{device_, "shadow hits"};
-    DeviceBuffer<Vec3> image_{device_, "the image"}, filtered_{device_, "the filtered image"};
+    DeviceBuffer<Vec3> image_{device_, "the image"}, variance_{device_, "the image's variance"};
+    DeviceBuffer<Vec3> filtered_{device_, "the filtered image"};
 };
 
 reference::Image Pipeline::State::render() {
     const std::uint32_t pixels = pixel_count();
-    reference::require_memory(  // as the device has it, filtered, and as it is handed out
-        std::uint64_t{3} * sizeof(Vec3) * pixels,
+    reference::require_memory(  // image and variance as the device has them and as they are handed
+                                // out, and filtered
+        std::uint64_t{5} * sizeof(Vec3) * pixels,
         fmt::format("the image of {}x{} pixels", parameters_.image_width, parameters_.image_height),
         "a smaller one needs less");
     image_.resize(pixels);
     image_.fill(Vec3(0.0f, 0.0f, 0.0f));
+    variance_.resize(pixels);
+    variance_.fill(Vec3(0.0f, 0.0f, 0.0f));
 
     const reference::BatchPlan plan(parameters_);
     StagePlace place;
     place.several_batches = plan.size() > 1;
     for (; place.batch < plan.size(); ++place.batch) render_batch(place, plan[place.batch]);
-    if (parameters_.filter != Filter::none && parameters_.spp < parameters_.filter_threshold) {
-        launch_filter();
-    }
-    return {parameters_.image_width, parameters_.image_height,
-            std::vector<Vec3>(image_.view().begin(), image_.view().end())};
+    const bool filters =
+        parameters_.filter != Filter::none && parameters_.spp < parameters_.filter_threshold;
+    if (filters) launch_filter();
+    const auto copy = [](std::span<const Vec3> buffer) {
+        return std::vector<Vec3>(buffer.begin(), buffer.end());
+    };
+    // Neighbours that a filter mixes share their noise: nothing is known of it.
+    const bool known = !filters && parameters_.spp > 1;
+    return {parameters_.image_width, parameters_.image_height, copy(image_.view()),
+            known ? copy(variance_.view()) : std::vector<Vec3>()};
 }
 
 void Pipeline::State::render_batch(StagePlace place, const BatchView& batch) {
@@ -248,13 +257,16 @@ void Pipeline::State::launch_scene_rays(const StagePlace& place) {
 void Pipeline::State::launch_reconstruct(const StagePlace& place, const BatchView& batch) {
     log_.timed(StageKind::reconstruct_image, place, blocks_for(batch.pixels), ray_count(), [&] {
         device_.launch_per_item(batch.pixels, [&](std::uint32_t pixel) {
-            reconstruct_image(pixel, batch, parameters_.spp, radiance_.data(), image_.data());
+            reconstruct_image(pixel, batch, parameters_.spp, radiance_.data(), image_.data(),
+                              variance_.data());
         });
     });
     show_paths(StageKind::reconstruct_image, place,
                {buffer_view(buffers::radiance, radiance_.view()),
                 buffer_view(buffers::pixel, pixel_.view())},
-               {buffer_view(buffers::image, image_.view())}, batch.pixels);
+               {buffer_view(buffers::image, image_.view()),
+                buffer_view(buffers::variance, variance_.view())},
+               batch.pixels);
 }
 
 void Pipeline::State::launch_filter() {
@@ -337,6 +349,7 @@ void Pipeline::State::launch_alone(const StageView& stage) {
             batch = reference::batch_of(parameters_, stage);
             load_paths(stage, std::size_t{batch.pixels} * batch.samples);
             load_image(stage);
+            variance_.assign(in.input(buffers::variance, pixel_count()));
             launch_reconstruct(place, batch);
             break;
         case StageKind::filter:
@@ -378,7 +391,8 @@ void Pipeline::State::trace(std::span<const Ray> rays, TraversalKind kind, std::
 }
 
 std::size_t Pipeline::State::device_bytes() {
-    std::size_t bytes = traversal_.device_bytes() + image_.bytes() + filtered_.bytes();
+    std::size_t bytes =
+        traversal_.device_bytes() + image_.bytes() + variance_.bytes() + filtered_.bytes();
     for_each_by_ray([&](const auto&, const auto& buffer) { bytes += buffer.bytes(); });
     return bytes;
 }

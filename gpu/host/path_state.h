@@ -25,6 +25,7 @@ struct PathState {
           path_hits(budget),
           shadow_hits(budget),
           image(budget),
+          variance(budget),
           filtered(budget) {}
 
     /// Calls f(handle, buffer) for every buffer that has a row per ray.
@@ -63,6 +64,7 @@ struct PathState {
     void release() {
         for_each_by_ray([](const auto&, auto& buffer) { buffer.release(); });
         image.release();
+        variance.release();
         filtered.release();
     }
     std::uint32_t count() const { return static_cast<std::uint32_t>(rays.size()); }
@@ -75,7 +77,7 @@ struct PathState {
     DeviceMemory<reference::Vec3> throughput, radiance, potential;
     DeviceMemory<std::uint32_t> pixel, sample, depth, flags;
     DeviceMemory<reference::Hit> path_hits, shadow_hits;
-    DeviceMemory<reference::Vec3> image, filtered;
+    DeviceMemory<reference::Vec3> image, variance, filtered;
 };
 
 /// Copies buffers to the host on demand; the views stay valid as long as this lives.
@@ -90,6 +92,7 @@ class HostPathState {
         };
         device_.for_each_by_ray(copy);
         copy(reference::buffers::image, device_.image);
+        copy(reference::buffers::variance, device_.variance);
         copy(reference::buffers::filtered, device_.filtered);
         return result;
     }

@@ -102,6 +102,9 @@ class DevicePipeline final : public Pipeline {
     std::size_t device_bytes() const override { return budget_.used; }
 
  private:
+    bool filters() const {
+        return parameters_.filter != Filter::none && parameters_.spp < parameters_.filter_threshold;
+    }
     void render_in_batches();
     void render_batch(StagePlace place, const BatchView& batch);
     void shade_vertex(StagePlace place);
@@ -145,8 +148,11 @@ reference::Image DevicePipeline::render() {
         }
     }
     const std::size_t pixels = std::size_t{parameters_.image_width} * parameters_.image_height;
+    // Neighbours that a filter mixes share their noise: nothing is known of it.
+    const bool known = !filters() && parameters_.spp > 1;
     return {parameters_.image_width, parameters_.image_height,
-            download(paths_.image.data(), pixels, "the image")};
+            download(paths_.image.data(), pixels, "the image"),
+            download(paths_.variance.data(), known ? pixels : 0, "the image's variance")};
 }
 
 void DevicePipeline::render_in_batches() {
@@ -156,12 +162,13 @@ void DevicePipeline::render_in_batches() {
     place.several_batches = plan.size() > 1;
     paths_.image.resize(pixels, "the image");
     // Observers see all of it after every batch.
+    paths_.variance.resize(pixels, "the image's variance");
     check(cudaMemsetAsync(paths_.image.data(), 0, pixels * sizeof(Vec3), stream_.get()),
           "clearing the image");
+    check(cudaMemsetAsync(paths_.variance.data(), 0, pixels * sizeof(Vec3), stream_.get()),
+          "clearing the image's variance");
     for (; place.batch < plan.size(); ++place.batch) render_batch(place, plan[place.batch]);
-    if (parameters_.filter != Filter::none && parameters_.spp < parameters_.filter_threshold) {
-        launch_filter();
-    }
+    if (filters()) launch_filter();
     check(cudaStreamSynchronize(stream_.get()), "rendering");
 }
 
@@ -243,7 +250,7 @@ void DevicePipeline::launch_reconstruct(const StagePlace& place, const BatchView
              stream_.get(), [&] {
                  SCOTTY_LAUNCH(reconstruct_image, item_blocks(batch.pixels), kItemThreads,
                                stream_.get(), batch, parameters_.spp, paths_.radiance.data(),
-                               paths_.image.data());
+                               paths_.image.data(), paths_.variance.data());
              });
     show(StageKind::reconstruct_image, place, batch.pixels);
 }
@@ -327,6 +334,8 @@ void DevicePipeline::launch_alone(const StageView& stage) {
             batch = reference::batch_of(parameters_, stage);
             paths_.load(stage, std::size_t{batch.pixels} * batch.samples);
             load_image(stage);
+            paths_.variance.upload(in.input(reference::buffers::variance, paths_.image.size()),
+                                   "the image's variance");
             launch_reconstruct(place, batch);
             break;
         case StageKind::filter:

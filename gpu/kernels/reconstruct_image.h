@@ -1,26 +1,29 @@
-/// Kernel: one thread per pixel adds up its paths' radiance, in sample order.
+/// Kernel: one thread per pixel adds up its paths' radiance and its variance, in sample order.
 #pragma once
 
 #include "gpu/kernels/dialect.h"
 #include "gpu/kernels/views.h"
+#include "reference/numerics/pixel_sums.h"
 
 namespace SCOTTY_DEVICE_NAMESPACE {
 
 SCOTTY_KERNEL(reconstruct_image)
 (BatchView batch, std::uint32_t total_samples, const reference::Vec3* radiance,
- reference::Vec3* image) {
+ reference::Vec3* image, reference::Vec3* variance) {
     const std::uint32_t pixel_in_batch = block_index() * block_size() + thread_index();
     if (pixel_in_batch >= batch.pixels) SCOTTY_RETURN;
     const std::uint32_t pixel = batch.first_pixel + pixel_in_batch;
-    reference::Vec3 sum =
-        batch.first_sample == 0 ? reference::Vec3(0.0f, 0.0f, 0.0f) : image[pixel];
+    reference::PixelSums sums;
+    if (batch.first_sample != 0) sums = {image[pixel], variance[pixel]};
     for (std::uint32_t i = 0; i < batch.samples; ++i) {
-        sum += radiance[pixel_in_batch * batch.samples + i];
+        reference::add_sample(sums, batch.first_sample + i,
+                              radiance[pixel_in_batch * batch.samples + i]);
     }
     if (batch.first_sample + batch.samples == total_samples) {
-        sum /= static_cast<float>(total_samples);
+        reference::finish(sums, total_samples);
     }
-    image[pixel] = sum;
+    image[pixel] = sums.image;
+    variance[pixel] = sums.variance;
 }
 
 }  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -77,12 +77,14 @@ inline constexpr Buffer<Hit> shadow_hits{"shadow_hits",        Row::ray,        
 
 // The image.
 inline constexpr Buffer<Vec3> image{"image", Row::pixel, kColour, kImages, "radiance by pixel"};
+inline constexpr Buffer<Vec3> variance{"variance", Row::pixel, kColour, kImages,
+                                       "variance of the pixel's mean"};
 inline constexpr Buffer<Vec3> filtered{"filtered", Row::pixel, kColour, kImages,
                                        "radiance by pixel"};
 
 }  // namespace buffers
 
-inline constexpr std::array<const BufferInfo*, 26> kBuffers{
+inline constexpr std::array<const BufferInfo*, 27> kBuffers{
     &buffers::rays,          &buffers::shadow_rays,   &buffers::throughput,
     &buffers::radiance,      &buffers::potential,     &buffers::pixel,
     &buffers::sample,        &buffers::depth,         &buffers::flags,
@@ -91,7 +93,7 @@ inline constexpr std::array<const BufferInfo*, 26> kBuffers{
     &buffers::block_offsets, &buffers::hit_counts,    &buffers::hits,
     &buffers::packed_hits,   &buffers::lowered,       &buffers::minimum,
     &buffers::merged,        &buffers::path_hits,     &buffers::shadow_hits,
-    &buffers::image,         &buffers::filtered};
+    &buffers::image,         &buffers::variance,      &buffers::filtered};
 
 /// Null where there is no buffer of that name.
 constexpr const BufferInfo* find_buffer(std::string_view name) {

@@ -13,6 +13,8 @@ struct Image {
     std::uint32_t width = 0;
     std::uint32_t height = 0;
     std::vector<Vec3> pixels;
+    /// Estimated variance of each pixel's mean, by channel; empty where it is not known.
+    std::vector<Vec3> variance = {};
 };
 
 }  // namespace scotty::reference

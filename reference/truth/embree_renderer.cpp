@@ -10,13 +10,16 @@
 #include "reference/contract/batch_plan.h"
 #include "reference/numerics/intersect_triangle.h"
 #include "reference/numerics/path.h"
+#include "reference/numerics/pixel_sums.h"
+#include "reference/truth/coincident.h"
 
 namespace scotty::reference {
 
 namespace {
 
 /// Embree's primitive with our distance; Embree's own record where we would call that a miss.
-Hit closest_hit(const SceneView& scene, const EmbreeTracer& tracer, const Ray& ray) {
+Hit closest_hit(const SceneView& scene, const EmbreeTracer& tracer,
+                const CoincidentTriangles& coincident, const Ray& ray) {
     if (is_dead(ray)) return no_hit();
     Hit found = tracer.closest(ray);
     if (!is_hit(found)) return found;
@@ -24,17 +27,18 @@ Hit closest_hit(const SceneView& scene, const EmbreeTracer& tracer, const Ray& r
     intersect_triangle(ray, safe_inverse(ray.direction), ray_shear(ray.direction),
                        scene.vertices[corner[0]], scene.vertices[corner[1]],
                        scene.vertices[corner[2]], found);
-    return found;
+    return coincident.seen(ray, found);
 }
 
 Vec3 trace_path(const SceneView& scene, const PathParameters& parameters,
-                const EmbreeTracer& tracer, std::uint32_t pixel, std::uint32_t sample) {
+                const EmbreeTracer& tracer, const CoincidentTriangles& coincident,
+                std::uint32_t pixel, std::uint32_t sample) {
     Vec3 radiance(0.0f, 0.0f, 0.0f);
     Vec3 throughput(1.0f, 1.0f, 1.0f);
     std::uint32_t flags = kPathAlive;
     Ray ray = primary_ray(scene.camera, parameters, pixel, sample);
     for (std::uint32_t bounce = 0; bounce <= parameters.bounces; ++bounce) {
-        const Hit hit = closest_hit(scene, tracer, ray);
+        const Hit hit = closest_hit(scene, tracer, coincident, ray);
         for (std::uint32_t light = 0; light < parameters.light_samples && is_hit(hit); ++light) {
             const DirectLight direct =
                 sample_direct_light(scene, parameters, ray, hit, throughput,
@@ -70,7 +74,9 @@ void show_batch(StageObserver& observer, std::uint32_t number, const BatchView& 
                             /*several_batches=*/true);
     stage.launch = stage.batch = number;
     stage.inputs = {buffer_view(reference::buffers::pixel, std::span<const std::uint32_t>(pixel))};
-    stage.outputs = {buffer_view(reference::buffers::image, std::span<const Vec3>(image.pixels))};
+    stage.outputs = {
+        buffer_view(reference::buffers::image, std::span<const Vec3>(image.pixels)),
+        buffer_view(reference::buffers::variance, std::span<const Vec3>(image.variance))};
     observer.on_stage(stage);
 }
 
@@ -85,9 +91,11 @@ Image render_with_embree(const Scene& scene, const PipelineParameters& parameter
         batched.samples_per_pass = 0;
     }
     const SceneView view = view_of(scene);
+    const CoincidentTriangles coincident(scene);
     const PathParameters path = path_parameters(batched);
     const std::uint32_t pixels = batched.image_width * batched.image_height;
     Image image{batched.image_width, batched.image_height,
+                std::vector<Vec3>(pixels, Vec3(0.0f, 0.0f, 0.0f)),
                 std::vector<Vec3>(pixels, Vec3(0.0f, 0.0f, 0.0f))};
     oneapi::tbb::task_arena arena(threads == 0 ? oneapi::tbb::task_arena::automatic
                                                : static_cast<int>(threads));
@@ -97,12 +105,14 @@ Image render_with_embree(const Scene& scene, const PipelineParameters& parameter
         const std::uint32_t end_sample = batch.first_sample + batch.samples;
         const auto add_samples = [&](const oneapi::tbb::blocked_range<std::uint32_t>& range) {
             for (std::uint32_t pixel = range.begin(); pixel != range.end(); ++pixel) {
-                Vec3 sum = image.pixels[pixel];
+                PixelSums sums{image.pixels[pixel], image.variance[pixel]};
                 for (std::uint32_t sample = batch.first_sample; sample < end_sample; ++sample) {
-                    sum += trace_path(view, path, tracer, pixel, sample);
+                    add_sample(sums, sample,
+                               trace_path(view, path, tracer, coincident, pixel, sample));
                 }
-                if (end_sample == batched.spp) sum /= static_cast<float>(batched.spp);
-                image.pixels[pixel] = sum;
+                if (end_sample == batched.spp) finish(sums, batched.spp);
+                image.pixels[pixel] = sums.image;
+                image.variance[pixel] = sums.variance;
             }
         };
         arena.execute([&] {
@@ -112,6 +122,7 @@ Image render_with_embree(const Scene& scene, const PipelineParameters& parameter
         });
         if (observer != nullptr) show_batch(*observer, number, batch, image);
     }
+    if (batched.spp == 1) image.variance.clear();
     return image;
 }
 

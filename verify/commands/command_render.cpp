@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstring>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
@@ -122,6 +123,10 @@ int run_render(RenderOptions options) {
         input.bvh = build_wide_bvh(input.scene, bvh_parameters(p, options.threads));
     }
     input.parameters = p;
+    options.output.provenance = {{"scotty:scene", input.scene.name},
+                                 {"scotty:backend", backend.name},
+                                 {"scotty:parameters", to_json(p).dump()},
+                                 {"scotty:version", SCOTTY_VERSION}};
 
     WatchedRender done;
     if (options.progressive) {
@@ -158,7 +163,8 @@ void add_render_command(CLI::App& app, Action& action) {
         "  scotty render coil -o coil.exr --spp 4096 --progressive           # Ctrl-C when it is "
         "good\n"
         "  scotty render coil -o coil.exr --spp 4096 --display localhost:14158\n\n"
-        "EXR holds linear radiance in float32, and the samples a pixel; PNG holds 8-bit sRGB of "
+        "EXR holds linear radiance in float32, the variance of each pixel's mean, the samples per "
+        "pixel, and scene, parameters, back end and version; PNG holds 8-bit sRGB of "
         "radiance * 2^exposure.\n\n"
         "A progressive render is the same picture, bit for bit. Ctrl-C (or SIGTERM) ends it at the "
         "next launch: FILE then holds the last pass that every pixel had, which is the picture of "

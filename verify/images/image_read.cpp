@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -236,6 +237,25 @@ ReadImage from_array(std::span<const float> values, std::size_t width, std::size
     return read;
 }
 
+/// What `scotty-gpu run --image X.npy` writes beside it: X.variance.npy, and the samples in X.json.
+void read_noise_beside(const std::string& path, ReadImage& read) {
+    const fs::path variance = fs::path(path).replace_extension(".variance.npy");
+    const fs::path about = fs::path(path).replace_extension(".json");
+    std::error_code ignored;
+    if (!fs::exists(variance, ignored) || !fs::exists(about, ignored)) return;
+    const NpyArray array = read_npy(variance);
+    const std::vector<std::size_t> shape{read.image.height, read.image.width, 3};
+    if (array.type != reference::ElementType::float32 || array.shape != shape) {
+        throw Error::bad_input(
+            variance.string(),
+            fmt::format("expected float32 {}, as the image beside it, found {} {}",
+                        shape_text(shape), verify::to_string(array.type), shape_text(array.shape)));
+    }
+    const auto values = array.get<float>();
+    read.image.variance = extract({values.begin(), values.end()}, 3, {0, 1, 2}, false);
+    read.image.samples = unsigned_member(about.string(), read_json(about), "samples", 1u << 20);
+}
+
 ReadImage read_array(const std::string& path) {
     const NpyArray array = read_npy(path);
     const bool is_picture = array.type == reference::ElementType::float32 &&
@@ -246,7 +266,9 @@ ReadImage read_array(const std::string& path) {
                                fmt::format("expected float32 [height, width, 3], found {} {}",
                                            verify::to_string(array.type), shape_text(array.shape)));
     }
-    return from_array(array.get<float>(), array.shape[1], array.shape[0]);
+    ReadImage read = from_array(array.get<float>(), array.shape[1], array.shape[0]);
+    read_noise_beside(path, read);
+    return read;
 }
 
 /// The image that a captured run ended with.
@@ -262,6 +284,12 @@ ReadImage read_capture(const std::string& path) {
         ReadImage read =
             from_array({first, buffer.bytes.size() / sizeof(float)}, p.image_width, p.image_height);
         read.image.samples = p.spp;
+        const BufferRecord* variance = stage->output("variance");
+        if (variance == nullptr || p.spp == 1) return read;
+        const reference::OwnedBuffer of_mean = capture.load(*stage, *variance);
+        const auto* of_first = reinterpret_cast<const float*>(of_mean.bytes.data());
+        read.image.variance = extract({of_first, of_first + of_mean.bytes.size() / sizeof(float)},
+                                      3, {0, 1, 2}, false);
         return read;
     }
     throw Error::bad_input(path, "this capture has no image: capture reconstruct_image too");

@@ -178,38 +178,70 @@ void check_scene_rays(CheckState& state, const StageView& stage) {
     }
 }
 
+namespace {
+
+Failure pixel_failure(const CheckState& state, const StageView& stage, const char* buffer,
+                      std::size_t pixel, const char* sentence, const Vec3& expected,
+                      const Vec3& found) {
+    Failure failure = failure_at(stage, invariant::kPixels, sentence);
+    failure.field =
+        fmt::format("{}[{}] (x {}, y {})", buffer, pixel, pixel % state.parameters.image_width,
+                    pixel / state.parameters.image_width);
+    failure.expected = exact(expected);
+    failure.found = exact(found);
+    return failure;
+}
+
+}  // namespace
+
 void check_image(CheckState& state, const StageView& stage) {
     const auto radiance = stage.get<Vec3>("radiance");
     const auto pixel = expect_buffer<std::uint32_t>(state, stage, "pixel", radiance.size());
     const std::size_t pixels =
         std::size_t{state.parameters.image_width} * state.parameters.image_height;
     const auto image = expect_buffer<Vec3>(state, stage, "image", pixels);
-    if (pixel.size() != radiance.size() || image.size() != pixels) return;
+    const auto variance = expect_buffer<Vec3>(state, stage, "variance", pixels);
+    if (pixel.size() != radiance.size() || image.size() != pixels || variance.size() != pixels) {
+        return;
+    }
     expect_same<Vec3>(state, stage, invariant::kHandOver, "radiance", state.paths.radiance,
                       radiance, true, "the radiance changed after the last bounce",
                       [](const Vec3& value) { return exact(value); });
     ImageState& sums = state.image;
     sums.summed.resize(pixels, 0);
     sums.sum.resize(pixels, Vec3(0.0f, 0.0f, 0.0f));
+    sums.deviations.resize(pixels, Vec3(0.0f, 0.0f, 0.0f));
     for (std::size_t i = 0; i < radiance.size(); ++i) {
         if (pixel[i] >= pixels) return;  // primary_rays has reported it
+        const auto before = static_cast<float>(sums.summed[pixel[i]]);
+        for (int c = 0; c < 3 && before > 0.0f; ++c) {
+            const float mean = sums.sum[pixel[i]][c] / before;
+            const float off = radiance[i][c] - mean;
+            sums.deviations[pixel[i]][c] += off * off * (before / (before + 1.0f));
+        }
         sums.sum[pixel[i]] += radiance[i];
         ++sums.summed[pixel[i]];
     }
-    // The image has sums until a pixel is complete, then the mean, in sample order: bit for bit.
+    // Sums until a pixel has all its samples, then the mean; in sample order, so bit for bit.
+    const auto n = static_cast<float>(state.parameters.spp);
     for (std::size_t p = 0; p < pixels; ++p) {
         const bool complete = sums.summed[p] == state.parameters.spp;
-        const Vec3 expected =
-            complete ? sums.sum[p] / static_cast<float>(state.parameters.spp) : sums.sum[p];
-        if (same_bits(expected, image[p])) continue;
-        Failure failure = failure_at(stage, invariant::kPixels,
-                                     complete ? "a pixel is not the mean of its samples"
-                                              : "a pixel is not the sum of its samples so far");
-        failure.field = fmt::format("image[{}] (x {}, y {})", p, p % state.parameters.image_width,
-                                    p / state.parameters.image_width);
-        failure.expected = exact(expected);
-        failure.found = exact(image[p]);
-        state.add(std::move(failure));
+        const Vec3 mean = complete ? sums.sum[p] / n : sums.sum[p];
+        Vec3 of_mean = sums.deviations[p];
+        if (complete && n > 1.0f) of_mean = of_mean * (1.0f / (n * (n - 1.0f)));
+        if (!same_bits(mean, image[p])) {
+            state.add(pixel_failure(state, stage, "image", p,
+                                    complete ? "a pixel is not the mean of its samples"
+                                             : "a pixel is not the sum of its samples so far",
+                                    mean, image[p]));
+            return;
+        }
+        if (same_bits(of_mean, variance[p])) continue;
+        state.add(pixel_failure(
+            state, stage, "variance", p,
+            complete ? "a pixel's variance is not that of its samples' mean"
+                     : "a pixel's squared deviations are not those of its samples so far",
+            of_mean, variance[p]));
         return;
     }
 }

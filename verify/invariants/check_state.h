@@ -58,6 +58,7 @@ struct ImageState {
     std::vector<std::uint32_t> samples;
     std::vector<std::uint32_t> summed;
     std::vector<reference::Vec3> sum;
+    std::vector<reference::Vec3> deviations;  ///< squared, from the mean so far
 };
 
 struct InvariantChecker::State {

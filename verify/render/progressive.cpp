@@ -6,6 +6,7 @@
 
 #include "emulation/host/pipeline.h"
 #include "reference/base/assert.h"
+#include "reference/numerics/pixel_sums.h"
 
 namespace scotty::verify {
 namespace {
@@ -53,8 +54,14 @@ class Passes : public reference::StageObserver {
 
     /// As reconstruct_image and the filter make it.
     Image picture() const {
-        Image image{parameters_.image_width, parameters_.image_height, sums_};
-        for (Vec3& pixel : image.pixels) pixel /= static_cast<float>(samples_);
+        Image image{parameters_.image_width, parameters_.image_height, sums_, deviations_};
+        for (std::size_t p = 0; p < image.pixels.size(); ++p) {
+            reference::PixelSums sums{image.pixels[p], image.variance[p]};
+            finish(sums, samples_);
+            image.pixels[p] = sums.image;
+            image.variance[p] = sums.variance;
+        }
+        if (samples_ == 1) image.variance.clear();
         const bool smooth = parameters_.filter != reference::Filter::none &&
                             samples_ < parameters_.filter_threshold;
         return smooth ? filtered(input_, image) : image;
@@ -64,6 +71,7 @@ class Passes : public reference::StageObserver {
     void follow(const StageView& stage) {
         const auto pixel = stage.get<std::uint32_t>("pixel");
         const auto image = stage.get<Vec3>("image");
+        const auto deviations = stage.get<Vec3>("variance");
         const std::uint32_t last = parameters_.image_width * parameters_.image_height - 1;
         SCOTTY_ASSERT(image.size(), ==, std::size_t{last} + 1);
         // A render that ran out of memory begins again, with smaller batches.
@@ -75,6 +83,7 @@ class Passes : public reference::StageObserver {
                                       of_last_pixel_ < parameters_.spp;
         if (!pass_is_complete) return;
         sums_.assign(image.begin(), image.end());
+        deviations_.assign(deviations.begin(), deviations.end());
         samples_ = of_last_pixel_;
         listener_.on_pass(samples_, [this] { return picture(); });
     }
@@ -84,7 +93,7 @@ class Passes : public reference::StageObserver {
     const ProgressiveListener& listener_;
     std::uint32_t of_last_pixel_ = 0;  ///< samples added to the image's last pixel
     std::uint32_t samples_ = 0;        ///< of each pixel of sums_
-    std::vector<Vec3> sums_;
+    std::vector<Vec3> sums_, deviations_;
 };
 
 }  // namespace

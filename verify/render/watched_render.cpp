@@ -118,7 +118,10 @@ void write_picture(const RenderOutput& output, const PipelineParameters& p, cons
     for (const reference::Vec3& pixel : image.pixels) {
         measured.mean.push_back({pixel.x, pixel.y, pixel.z});
     }
-    write_measured_image(measured, output.file);
+    for (const reference::Vec3& pixel : image.variance) {
+        measured.variance.push_back({pixel.x, pixel.y, pixel.z});
+    }
+    write_measured_image(measured, output.file, output.provenance);
 }
 
 WatchedRender render_watched(const Backend& backend, const PipelineInput& input,

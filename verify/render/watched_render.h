@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 
 #include "verify/render/progressive.h"
@@ -13,10 +14,12 @@ struct RenderOutput {
     std::string file;  ///< .exr or .png
     float exposure = 0.0f;
     std::string display;  ///< HOST:PORT of a viewer; empty: none
+    /// What an EXR says about where it comes from.
+    std::map<std::string, std::string> provenance = {};
 };
 
-/// An EXR says how many paths a pixel has, unless a filter mixed pixels: `scotty diff` can then
-/// judge it by a golden image's noise. Throws as write_image() does.
+/// An EXR has the variance of each pixel, how many paths a pixel has, and `output.provenance`,
+/// unless a filter mixed pixels: `scotty diff` judges it by that. Throws as write_image() does.
 void write_picture(const RenderOutput& output, const reference::PipelineParameters& parameters,
                    const reference::Image& image, std::uint32_t samples);
 

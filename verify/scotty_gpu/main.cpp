@@ -15,6 +15,7 @@
 
 #include "gpu/host/pipeline.h"
 #include "gpu/parity/parity.h"
+#include "reference/base/write_file.h"
 #include "reference/contract/parameter_table.h"
 #include "verify/capture/capture_writer.h"
 #include "verify/capture/npy.h"
@@ -142,6 +143,21 @@ int run(const RunOptions& options) {
         verify::write_npy(options.image, reference::ElementType::float32, shape,
                           image.pixels.data(), image.pixels.size() * sizeof(reference::Vec3));
         std::printf("%s: %u x %u, radiance\n", options.image.c_str(), image.width, image.height);
+        if (!image.variance.empty()) {
+            const std::string file =
+                std::filesystem::path(options.image).replace_extension(".variance.npy").string();
+            verify::write_npy(file, reference::ElementType::float32, shape, image.variance.data(),
+                              image.variance.size() * sizeof(reference::Vec3));
+            nlohmann::ordered_json about{{"scene", input.scene.name},
+                                         {"backend", "cuda"},
+                                         {"samples", input.parameters.spp},
+                                         {"parameters", verify::to_json(input.parameters)}};
+            reference::write_file(
+                std::filesystem::path(options.image).replace_extension(".json").string(),
+                about.dump(2) + "\n");
+            std::printf("%s: the variance of each mean of %u samples\n", file.c_str(),
+                        input.parameters.spp);
+        }
     }
     return 0;
 }

@@ -11,11 +11,14 @@
 #include <vector>
 
 #include "tests/verify/command_tools.h"
+#include "verify/images/image_read.h"
 
 namespace {
 
 using namespace scotty::verify::test;
 using Catch::Matchers::Contains;
+using scotty::verify::read_image;
+using scotty::verify::ReadImage;
 namespace fs = std::filesystem;
 using Folder = TemporaryFolder;
 
@@ -215,6 +218,41 @@ TEST_CASE("scotty diff --backends: two back ends, or one and a capture", "[verif
     const Result nothing = scotty("diff --backends emulator,simt");
     CHECK(nothing.exit_code == 2);
     CHECK_THAT(nothing.err, Contains("expected a scene"));
+}
+
+TEST_CASE("render: an EXR has its variance and says where it comes from, and is judged by that",
+          "[verify][cli]") {
+    const Folder folder;
+    const std::string file = folder.file("picture.exr");
+    const std::string golden = std::string(SCOTTY_SOURCE_DIR) + "/golden/images/slivers.exr";
+    for (const char* how : {"--backend emulator", "--backend embree", "--backend simt",
+                            "--backend emulator --batch-rays 1000 --progressive"}) {
+        INFO(how);
+        REQUIRE(scotty_here("render slivers --size 64x64 --spp 16 -o '" + file + "' " + how)
+                    .exit_code == 0);
+        const ReadImage read = read_image(file);
+        CHECK(read.image.samples == 16);
+        REQUIRE(read.image.variance.size() == 64 * 64);
+        CHECK(read.attributes.at("scotty:scene") == "slivers");
+        CHECK(read.attributes.at("scotty:version").find('.') != std::string::npos);
+        CHECK_THAT(how, Contains(read.attributes.at("scotty:backend")));
+        const auto parameters = nlohmann::json::parse(read.attributes.at("scotty:parameters"));
+        CHECK(parameters["spp"] == 16);
+        CHECK(scotty_here("diff '" + golden + "' '" + file + "'").exit_code == 0);
+    }
+    for (const char* unknown : {"--spp 1", "--spp 16 --filter median"}) {
+        INFO(unknown);
+        REQUIRE(scotty_here("render slivers --size 64x64 -o '" + file + "' " + unknown).exit_code ==
+                0);
+        CHECK(read_image(file).image.variance.empty());
+        CHECK(scotty_here("diff '" + golden + "' '" + file + "'").exit_code == 2);  // not judged
+    }
+    // A capture's image has its variance, too.
+    const std::string capture = folder.file("capture");
+    REQUIRE(scotty_here("capture slivers --size 64x64 --spp 16 --stages reconstruct_image -o '" +
+                        capture + "'")
+                .exit_code == 0);
+    CHECK(scotty_here("diff '" + golden + "' '" + capture + "'").exit_code == 0);
 }
 
 }  // namespace
