@@ -13,8 +13,9 @@ using reference::Vec3;
 namespace {
 
 constexpr std::array kMaterialNames = {"diffuse", "mirror", "glass"};
-constexpr std::array kLightNames = {"parallelogram", "triangle",    "point",
-                                    "directional",   "environment", "hemisphere"};
+constexpr std::array kLightNames = {"parallelogram", "triangle",   "point", "directional",
+                                    "environment",   "hemisphere", "spot"};
+static_assert(kLightNames.size() == kLightKinds);
 
 /// The words that loaders use for what a picture lacks.
 bool says_unsupported(const std::string& warning) {

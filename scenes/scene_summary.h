@@ -10,6 +10,9 @@
 
 namespace scotty::scenes {
 
+/// As many as reference::LightKind has.
+constexpr std::size_t kLightKinds = static_cast<std::size_t>(reference::LightKind::spot) + 1;
+
 struct SceneSummary {
     std::string name;
     std::string source;
@@ -21,7 +24,7 @@ struct SceneSummary {
     std::size_t smooth_vertices = 0;         ///< with a normal of their own
     std::array<std::size_t, 3> materials{};  ///< by reference::MaterialKind
     std::size_t emissive_materials = 0;
-    std::array<std::size_t, 6> lights{};  ///< by reference::LightKind
+    std::array<std::size_t, kLightKinds> lights{};  ///< by reference::LightKind
     reference::Camera camera;
     reference::Bounds extents;
     /// The scene's warnings: what the file has and is not shown as it says, and what was repaired,
