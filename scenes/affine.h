@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "reference/base/vec3.h"
 
@@ -63,6 +64,24 @@ struct Affine {
         return unit(out);
     }
 };
+
+/// How far the last row of a matrix may be from 0 0 0 w and still be that, rounded by an exporter.
+constexpr double kLastRowTolerance = 1e-6;
+
+/// The transform of a matrix whose four rows are written one behind the other, divided by the last
+/// number. Nothing where its last row is not 0 0 0 w with w other than 0: that is a perspective.
+inline std::optional<Affine> affine_of_rows(const std::array<double, 16>& rows) {
+    const double w = rows[15];
+    if (w == 0.0) return std::nullopt;
+    for (const std::size_t k : {12u, 13u, 14u}) {
+        if (!(std::abs(rows[k]) <= kLastRowTolerance * std::abs(w))) return std::nullopt;
+    }
+    // What is as good as 1 stays out of the numbers, so that they keep their bits.
+    const double divisor = std::abs(w - 1.0) <= kLastRowTolerance ? 1.0 : w;
+    Affine out;
+    for (std::size_t k = 0; k < 12; ++k) out.m[k / 4][k % 4] = rows[k] / divisor;
+    return out;
+}
 
 /// `a` after `b`.
 inline Affine operator*(const Affine& a, const Affine& b) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cstring>
 
@@ -63,15 +64,37 @@ double quadratic_attenuation(const ColladaDocument& document, pugi::xml_node lig
     return 1.0;
 }
 
-Light placed_point_light(const ColladaDocument& document, pugi::xml_node element,
-                         const Vec3& colour, const Affine& place, double metres, Notes& notes) {
-    const bool is_spot = std::strcmp(element.name(), "spot") == 0;
-    if (is_spot && document.number(element.child("falloff_angle"), 180.0) < 360.0) {
-        notes.add("a spot light's cone is not supported: a point light");
+/// Adds the cone of a <spot>, whose angle is that from one side to the other, to a point light.
+std::optional<Light> in_cone(const ColladaDocument& document, pugi::xml_node spot,
+                             const Light& point, const Affine& place, Notes& notes) {
+    const pugi::xml_node element = spot.child("falloff_angle");
+    const double degrees = document.number(element, 180.0);
+    if (!(degrees > 0.0)) {
+        throw document.error(element, fmt::format("expected more than 0, found {}", degrees));
     }
+    if (document.number(spot.child("falloff_exponent"), 0.0) != 0.0) {
+        notes.add("a spot light's <falloff_exponent> is not supported: its cone has a hard edge");
+    }
+    if (degrees >= 360.0) return point;
+    // A cone that is too narrow for a float keeps some width.
+    constexpr float kNarrowest = 0.999999f;
+    const auto cosine = static_cast<float>(std::cos(0.5 * degrees * kDegree));
+    const float edge = std::min(cosine, kNarrowest);
+    const Light light =
+        spot_light(point.position, rounded(place.vector({0, 0, -1})), point.radiance, {edge, edge});
+    if (!reference::is_zero(light.normal)) return light;
+    notes.add("a spot light without direction: left out");
+    return std::nullopt;
+}
+
+std::optional<Light> placed_point_light(const ColladaDocument& document, pugi::xml_node element,
+                                        const Vec3& colour, const Affine& place, double metres,
+                                        Notes& notes) {
     const double factor = metres * metres / quadratic_attenuation(document, element, notes);
     const Vec3 intensity = rounded({colour.x * factor, colour.y * factor, colour.z * factor});
-    return point_light(rounded(place.point({0, 0, 0})), intensity);
+    const Light light = point_light(rounded(place.point({0, 0, 0})), intensity);
+    const bool is_spot = std::strcmp(element.name(), "spot") == 0;
+    return is_spot ? in_cone(document, element, light, place, notes) : light;
 }
 
 std::optional<Light> make_light(const ColladaDocument& document, pugi::xml_node element,

@@ -1,29 +1,10 @@
+#include <algorithm>
+
 #include "scenes/collada_parts.h"
 
 namespace scotty::scenes {
 
 namespace {
-
-/// How far a last row may be from 0 0 0 1 and still be that, rounded by an exporter.
-constexpr double kRowTolerance = 1e-6;
-
-/// Divides by the last number of a matrix that is affine but for it. Throws for a perspective.
-void normalise_last_row(const ColladaDocument& document, pugi::xml_node element,
-                        std::vector<double>& values) {
-    const double w = values[15];
-    for (const std::size_t k : {12u, 13u, 14u}) {
-        if (std::abs(values[k]) <= kRowTolerance * std::abs(w)) continue;
-        const bool transposed = values[3] == 0.0 && values[7] == 0.0 && values[11] == 0.0;
-        throw document.error(
-            element,
-            fmt::format("expected a last row of 0 0 0 1 (no perspective), found {} {} {} {}{}",
-                        values[12], values[13], values[14], w,
-                        transposed ? "; is the matrix written by columns?" : ""));
-    }
-    if (w == 0.0) throw document.error(element, "expected a last row of 0 0 0 1, found zeros");
-    if (std::abs(w - 1.0) <= kRowTolerance) return;
-    for (std::size_t k = 0; k < 12; ++k) values[k] /= w;
-}
 
 /// The matrix of a camera: zero for what is missing at its end.
 Affine short_matrix(const std::vector<double>& values, Notes& notes) {
@@ -82,13 +63,17 @@ bool is_camera_alone(pugi::xml_node node) {
 }  // namespace
 
 Affine read_matrix(const ColladaDocument& document, pugi::xml_node element) {
-    std::vector<double> values = document.numbers(element, 16);
-    normalise_last_row(document, element, values);
-    Affine out;
-    for (std::size_t r = 0; r < 3; ++r) {
-        for (std::size_t c = 0; c < 4; ++c) out.m[r][c] = values[4 * r + c];
-    }
-    return out;
+    const std::vector<double> values = document.numbers(element, 16);
+    std::array<double, 16> rows{};
+    std::copy(values.begin(), values.end(), rows.begin());
+    if (const auto affine = affine_of_rows(rows)) return *affine;
+    if (rows[15] == 0.0)
+        throw document.error(element, "expected a last row of 0 0 0 1, found zeros");
+    const bool transposed = rows[3] == 0.0 && rows[7] == 0.0 && rows[11] == 0.0;
+    throw document.error(
+        element, fmt::format("expected a last row of 0 0 0 1 (no perspective), found {} {} {} {}{}",
+                             rows[12], rows[13], rows[14], rows[15],
+                             transposed ? "; is the matrix written by columns?" : ""));
 }
 
 Affine read_transform(const ColladaDocument& document, pugi::xml_node node, Notes& notes) {

@@ -25,6 +25,8 @@ class GltfAccessor {
     bool is_float() const { return component_type_ == kFloat; }
     /// Whole numbers of 8 or 16 bits.
     bool is_short() const { return component_size_ < 4; }
+    /// The largest that a whole number of the components' type can be.
+    std::uint32_t largest_number() const { return 0xffffffffu >> (32 - 8 * component_size_); }
     /// Whether it has a view or sparse values; else all elements are zero.
     bool has_data() const { return has_view_ || sparse_ != nullptr; }
     const std::string& place() const { return place_; }

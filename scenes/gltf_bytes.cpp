@@ -79,6 +79,10 @@ std::array<std::uint32_t, N> words_at(const GltfBytes& bytes, std::uint64_t offs
     return out;
 }
 
+bool begins_binary(const GltfBytes& file, std::uint64_t at, std::uint64_t length) {
+    return at + 8 <= length && words_at<2>(file, at)[1] == kBinaryChunk;
+}
+
 GltfContainer open_glb(const std::string& path, const GltfBytes& file) {
     if (file.size() < 12) throw Error::bad_input(path, "a .glb without a chunk (truncated?)");
     const auto [magic, version, length] = words_at<3>(file, 0);
@@ -109,6 +113,9 @@ GltfContainer open_glb(const std::string& path, const GltfBytes& file) {
             out.has_binary = true;
         }
         at += size;
+        // Some exporters pad a chunk and do not count the padding.
+        const std::uint64_t aligned = (at + 3) / 4 * 4;
+        if (!begins_binary(file, at, length) && begins_binary(file, aligned, length)) at = aligned;
     }
     if (out.json.empty()) throw Error::bad_input(path, "a .glb without a chunk (truncated?)");
     return out;

@@ -58,7 +58,7 @@ GltfDocument::GltfDocument(const std::string& path, Notes& notes)
     binary_ = std::move(container.binary);
     json_ = parse(path, container.json);
     check_version(root(), json_);
-    check_gltf_extensions(root(), notes);
+    check_gltf_extensions(root(), json_, notes);
 }
 
 bool GltfDocument::uses(const std::string& extension) const {

@@ -53,7 +53,8 @@ class GltfDocument {
 /// `compressed` is what the extension's object refers to. Throws reference::Error (bad_input).
 GltfView decode_meshopt(const GltfObject& extension, const GltfBytes& compressed);
 
-/// Obeys extensionsRequired and notes the rest (gltf_extensions.cpp).
-void check_gltf_extensions(const GltfObject& root, Notes& notes);
+/// Obeys extensionsRequired, and notes the extensions that the file lists or that objects have and
+/// that are not supported (gltf_extensions.cpp). `document` is the whole JSON.
+void check_gltf_extensions(const GltfObject& root, const nlohmann::json& document, Notes& notes);
 
 }  // namespace scotty::scenes

@@ -63,7 +63,9 @@ Vec3 emission_of(const GltfObject& object, Notes& notes) {
         return Vec3(0.0f);
     }
     if (object.flag("doubleSided", false)) {
-        notes.add("a double-sided material that emits light: it does so on its front side only");
+        notes.add(
+            "emission on both sides is not supported: a double-sided material emits light on its "
+            "front side only");
     }
     return emission;
 }

@@ -12,16 +12,12 @@ namespace {
 constexpr std::uint64_t kNoParent = ~std::uint64_t{0};
 
 Affine from_matrix(const GltfObject& node) {
-    const auto m = node.numbers<16>("matrix", {});
-    if (m[3] != 0.0 || m[7] != 0.0 || m[11] != 0.0 || std::abs(m[15] - 1.0) > 1e-6) {
-        throw node.error(fmt::format("matrix: expected a last row of 0 0 0 1, found {} {} {} {}",
-                                     m[3], m[7], m[11], m[15]));
-    }
-    Affine out;
-    for (std::size_t r = 0; r < 3; ++r) {
-        for (std::size_t c = 0; c < 4; ++c) out.m[r][c] = m[c * 4 + r];
-    }
-    return out;
+    const auto columns = node.numbers<16>("matrix", {});
+    std::array<double, 16> rows{};
+    for (std::size_t k = 0; k < 16; ++k) rows[k] = columns[k % 4 * 4 + k / 4];
+    if (const auto affine = affine_of_rows(rows)) return *affine;
+    throw node.error(fmt::format("matrix: expected a last row of 0 0 0 1, found {} {} {} {}",
+                                 rows[12], rows[13], rows[14], rows[15]));
 }
 
 Affine from_parts(const GltfObject& node) {

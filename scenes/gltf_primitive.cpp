@@ -85,8 +85,12 @@ void add_triangles(Scene& scene, const GltfPrimitive& primitive, bool mirrored,
             if (batch[i] >= vertices) {
                 throw Error::bad_input(
                     primitive.place,
-                    fmt::format("index {}: vertex index {} out of range, there are {} vertices",
-                                first + i, batch[i], vertices));
+                    fmt::format("index {}: vertex index {} out of range, there are {} vertices{}",
+                                first + i, batch[i], vertices,
+                                batch[i] == primitive.indices->largest_number()
+                                    ? "; glTF has no primitive restart: make each strip or fan a "
+                                      "primitive of its own"
+                                    : ""));
             }
             assembler.add(batch[i]);
         }

@@ -33,6 +33,9 @@ class GltfLoader {
         if (scene_.triangles.empty()) {
             throw root.error(notes_.explain("no triangles in the scene, nothing to render"));
         }
+        scene_.file.meshes = meshes_.size();
+        scene_.file.instances = instances_.size();
+        scene_.file.lights = scene_.lights.size();
         settle_emission(scene_, notes_);
         settle_camera(scene_, camera_, choice, notes_);
         notes_.write_to(scene_.warnings);
@@ -56,6 +59,7 @@ class GltfLoader {
             if (read) scene_.lights.push_back(*read);
         }
         if (const auto camera = node.whole("camera")) {
+            ++scene_.file.cameras;
             const auto read = read_gltf_camera(root.at("cameras", *camera, node), place, notes_);
             if (read && camera_) notes_.add("a further camera: the first one is used");
             if (read && !camera_) camera_ = read;
@@ -120,8 +124,8 @@ class GltfLoader {
         if (known != materials_.end()) return known->second;
         std::optional<std::uint32_t> index;
         if (!primitive.material) {
-            notes_.add("a mesh without material: grey 0.5");
-            index = add_diffuse(scene_, Vec3(0.5f, 0.5f, 0.5f));
+            notes_.add(kDefaultMaterialNote);
+            index = add_default_material(scene_);
         } else {
             const GltfObject root = document_.root();
             if (*primitive.material >= root.length("materials")) {

@@ -67,6 +67,7 @@ class ObjLoader {
         note_unknown_names();
         materials_.note_missing();
         if (scene_.triangles.empty()) throw no_triangles();
+        scene_.file.meshes = scene_.file.instances = 1;
         settle_emission(scene_, notes_);
         settle_camera(scene_, std::nullopt, choice, notes_);
         notes_.write_to(scene_.warnings);
@@ -211,6 +212,7 @@ class ObjLoader {
         std::int64_t* const fields[] = {&corner.position, &corner.texture, &corner.normal};
         for (std::int64_t* const field : fields) {
             if (at != end && *at != '/') {
+                if (*at == '+' && at + 1 != end && at[1] != '-') ++at;
                 const auto [stop, status] = std::from_chars(at, end, *field);
                 if (status != std::errc() || *field == 0) break;
                 at = stop;

@@ -40,6 +40,7 @@ class PlyLoader {
         }
         if (scene_.triangles.empty()) throw no_triangles();
         drop_unused_vertices(scene_, is_used_);
+        scene_.file.meshes = scene_.file.instances = 1;
         settle_emission(scene_, notes_);
         settle_camera(scene_, std::nullopt, choice, notes_);
         notes_.write_to(scene_.warnings);

@@ -12,6 +12,12 @@ namespace {
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
 
+/// Whether a backslash joins the line with the next; blanks behind it cannot be seen in an editor.
+bool continues(std::string_view line) {
+    while (!line.empty() && is_blank(line.back())) line.remove_suffix(1);
+    return !line.empty() && line.back() == '\\' && without_comment(line) == line;
+}
+
 }  // namespace
 
 std::string_view trimmed(std::string_view text) {
@@ -41,13 +47,10 @@ bool ObjLines::next() {
     while (std::optional<std::string_view> line = reader_.line()) {
         ++line_number_;
         statement_line_ = line_number_;
-        const auto continues = [](std::string_view text) {
-            return !text.empty() && text.back() == '\\' && without_comment(text) == text;
-        };
         if (continues(*line)) {
             joined_.clear();
             while (line && continues(*line)) {
-                joined_.append(line->substr(0, line->size() - 1)).push_back(' ');
+                joined_.append(line->substr(0, line->rfind('\\'))).push_back(' ');
                 line = reader_.line();
                 ++line_number_;
             }

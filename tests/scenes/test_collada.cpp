@@ -301,10 +301,31 @@ TEST_CASE("collada: common lights", "[scenes][collada]") {
         CHECK(scene.lights[0].kind == LightKind::environment);
         CHECK(scene.lights[0].radiance == Vec3(1, 2, 3));
     }
-    SECTION("spot") {
-        const Scene scene = light("<spot><color>1 2 3</color></spot>");
-        CHECK(scene.lights[0].kind == LightKind::point);
-        CHECK(warns(scene, "cone"));
+    SECTION("spot: its angle is that from one side of the cone to the other") {
+        const auto spot = [&](const std::string& falloff) {
+            return light("<spot><color>1 2 3</color>" + falloff + "</spot>");
+        };
+        const Scene scene = spot("<falloff_angle>60</falloff_angle>");
+        CHECK(scene.lights[0].kind == LightKind::spot);
+        CHECK(scene.lights[0].position == Vec3(1, 2, 3));
+        CHECK(scene.lights[0].radiance == Vec3(1, 2, 3));
+        check_close(scene.lights[0].normal, Vec3(0, -1, 0));
+        CHECK(reference::spot_cone(scene.lights[0]).outer == Approx(std::sqrt(0.75)));
+        CHECK(reference::spot_cone(scene.lights[0]).inner == Approx(std::sqrt(0.75)));
+        CHECK(scene.warnings.empty());
+        CHECK(reference::spot_cone(spot("").lights[0]).outer == Approx(0.0).margin(1e-6));
+        const Scene wide = spot("<falloff_angle>240</falloff_angle>");
+        CHECK(reference::spot_cone(wide.lights[0]).outer == Approx(-0.5));
+        const Scene all = spot("<falloff_angle>360</falloff_angle>");
+        CHECK(all.lights[0].kind == LightKind::point);
+        CHECK(all.warnings.empty());
+        const Scene soft = spot("<falloff_exponent>0.15</falloff_exponent>");
+        CHECK(soft.lights[0].kind == LightKind::spot);
+        CHECK(warns(soft, "falloff_exponent"));
+        CHECK_THROWS_WITH(spot("<falloff_angle>0</falloff_angle>"),
+                          Contains("falloff_angle") && Contains("more than 0"));
+        const Scene divided = spot("<quadratic_attenuation>4</quadratic_attenuation>");
+        CHECK(divided.lights[0].radiance == Vec3(0.25f, 0.5f, 0.75f));
     }
     SECTION("none") { CHECK(warns(light(""), "no known kind")); }
     SECTION("negative") {

@@ -277,7 +277,9 @@ TEST_CASE("gltf: a bad index names mesh and primitive, in all modes", "[scenes][
     for (const int mode : {4, 5, 6}) {
         CHECK_THROWS_WITH(load_mode(mode, {0, 1, 2, 1, 2, 99}),
                           Contains("meshes[0]: primitives[0]") && Contains("index 5") &&
-                              Contains("vertex index 99 out of range"));
+                              Contains("vertex index 99 out of range") && !Contains("restart"));
+        CHECK_THROWS_WITH(load_mode(mode, {0, 1, 2, 255, 1, 2}),
+                          Contains("index 3") && Contains("primitive restart"));
     }
 }
 

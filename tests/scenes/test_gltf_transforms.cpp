@@ -164,6 +164,20 @@ TEST_CASE("gltf: a matrix places as its parts do", "[scenes][gltf]") {
     }
 }
 
+TEST_CASE("gltf: a matrix that is rounded is read, a perspective is an error", "[scenes][gltf]") {
+    const auto with_row = [](const std::array<double, 4>& row) {
+        const json matrix = {1, 0, 0, row[0], 0, 1, 0, row[1], 0, 0, 1, row[2], 2, 0, 0, row[3]};
+        return tests::load_gltf(square_gltf({{"matrix", matrix}}));
+    };
+    CHECK(with_row({0, 0, 0, 1}).vertices[0] == Vec3(1, -1, 0));
+    CHECK(with_row({1e-9, -1e-10, 0, 1.0000002}).vertices[0] == Vec3(1, -1, 0));
+    CHECK(with_row({0, 0, 0, 2}).vertices[0] == Vec3(0.5f, -0.5f, 0));
+    CHECK(with_row({0, 0, 0, 0.99999994}).warnings == with_row({0, 0, 0, 1}).warnings);
+    CHECK_THROWS_WITH(with_row({0.5, 0, 0, 1}),
+                      Contains("nodes[0]") && Contains("last row") && Contains("0.5 0 0 1"));
+    CHECK_THROWS_WITH(with_row({0, 0, 0, 0}), Contains("nodes[0]") && Contains("last row"));
+}
+
 TEST_CASE("gltf: an identity keeps positions to the bit", "[scenes][gltf]") {
     GltfText text = tests::square_gltf();
     const float odd = 0.1f + 1e-8f;

@@ -132,6 +132,8 @@ TEST_CASE("obj: spellings of the same square", "[scenes][obj]") {
     is_square(kSquareObj + "v 5 5 5\nv 6 6 6\n" + face);
     is_square(kSquareObj + "fo 1 2 3 4\n");
     is_square(kSquareObj + "f 1 2 2 3 4 1\n");
+    is_square(kSquareObj + "f +1 2/ +3// +4\n");
+    is_square(kSquareObj + "f 1 2 \\ \t\n3 \\  \r\n 4\n");
 }
 
 TEST_CASE("obj: line numbers count every line of a continued one", "[scenes][obj]") {

@@ -1,8 +1,12 @@
+#include <fmt/format.h>
 #include <catch2/catch.hpp>
+
 #include <nlohmann/json.hpp>
 
 #include "scenes/scene_summary.h"
+#include "scenes/scenes.h"
 #include "tests/scenes/collada_text.h"
+#include "tests/scenes/gltf_text.h"
 
 using namespace scotty;
 using Catch::Matchers::Contains;
@@ -44,6 +48,45 @@ TEST_CASE("summary: a COLLADA file", "[scenes][summary]") {
     CHECK(json["file"]["instances"] == 2);
     CHECK(json["camera"]["horizontal_degrees"].get<double>() == Approx(90));
     CHECK(json["fingerprint"].get<std::string>().size() == 16);
+}
+
+TEST_CASE("summary: every kind of light has a name", "[scenes][summary]") {
+    const std::array<const char*, reference::kLightKinds> names = {
+        "parallelogram", "triangle", "point", "directional", "environment", "hemisphere", "spot"};
+    for (std::size_t kind = 0; kind < names.size(); ++kind) {
+        reference::Scene scene = scenes::load_scene("cornell");
+        scene.lights.assign(kind + 1, scene.lights[0]);
+        for (auto& light : scene.lights) light.kind = static_cast<reference::LightKind>(kind);
+        const SceneSummary summary = scenes::summarize(scene);
+        CHECK(summary.lights[kind] == kind + 1);
+        CHECK_THAT(to_text(summary), Contains(fmt::format("{} {}", kind + 1, names[kind])));
+        CHECK(to_json(summary)["lights"][names[kind]] == kind + 1);
+    }
+}
+
+TEST_CASE("summary: files of all formats say what they hold", "[scenes][summary]") {
+    const tests::TemporaryFiles files;
+    const auto contents = [](const reference::Scene& scene) {
+        const auto& [meshes, instances, cameras, lights] = scene.file;
+        return std::array<std::size_t, 4>{meshes, instances, cameras, lights};
+    };
+    using Counts = std::array<std::size_t, 4>;
+    const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+    CHECK(contents(files.load("a.obj", square + "f 1 2 3 4\n")) == Counts{1, 1, 0, 0});
+    CHECK(contents(files.load("a.ply",
+                              "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+                              "property float y\nproperty float z\nelement face 1\n"
+                              "property list uchar int vertex_indices\nend_header\n"
+                              "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")) == Counts{1, 1, 0, 0});
+    tests::GltfText text = tests::square_gltf();
+    text.node({{"mesh", 0}, {"translation", {0, 0, 1}}});
+    text.append("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 1}}}});
+    for (int i = 0; i < 3; ++i) text.node({{"camera", 0}, {"translation", {0, 0, 5 + i}}});
+    text.node(text.light_node(text.light({{"type", "point"}})));
+    const reference::Scene scene = tests::load_gltf(text);
+    CHECK(contents(scene) == Counts{1, 2, 3, 1});
+    CHECK_THAT(to_text(scenes::summarize(scene)),
+               Contains("1, placed 2 times") && Contains("3 in the file"));
 }
 
 TEST_CASE("summary: what is not supported is told from what was repaired", "[scenes][summary]") {

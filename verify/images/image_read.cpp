@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -125,12 +126,18 @@ bool is_linear(std::string_view color_space) {
     return same("linear") || same("scene_linear") || same("lin_srgb");
 }
 
-/// OpenImageIO spells the colour space differently from format to format; a gamma of 1 is linear
-/// too.
-bool is_encoded(const OIIO::ImageSpec& spec) {
-    return !spec.format.is_floating_point() &&
-           !is_linear(spec.get_string_attribute("oiio:ColorSpace")) &&
-           spec.get_float_attribute("oiio:Gamma") != 1.0f;
+/// The power that values are raised to; kSrgb stands for the curve of sRGB.
+constexpr double kSrgb = 0.0;
+constexpr double kLinear = 1.0;
+
+/// OpenImageIO spells the colour space differently from format to format, and gives a gamma where
+/// the file has one. Programs that mean sRGB write a gamma of 2.2, too.
+double decoding_power(const OIIO::ImageSpec& spec) {
+    if (spec.format.is_floating_point()) return kLinear;
+    if (is_linear(spec.get_string_attribute("oiio:ColorSpace"))) return kLinear;
+    const double gamma = static_cast<double>(spec.get_float_attribute("oiio:Gamma"));
+    const bool is_a_power = gamma > 0.0 && std::isfinite(gamma) && std::abs(gamma - 2.2) > 0.01;
+    return is_a_power ? gamma : kSrgb;
 }
 
 ImageAttributes own_attributes(const OIIO::ImageSpec& spec) {
@@ -153,12 +160,14 @@ std::uint64_t count_of(const OIIO::ImageSpec& spec, const char* name, int otherw
 }
 
 std::vector<Color> extract(const std::vector<float>& values, std::size_t channels,
-                           const Channels& which, bool encoded) {
+                           const Channels& which, double power) {
     std::vector<Color> colors(values.size() / channels);
     for (std::size_t i = 0; i < colors.size(); ++i) {
         for (std::size_t c = 0; c < 3; ++c) {
             const double value = values[i * channels + which[c]];
-            colors[i][c] = encoded ? srgb_decode(value) : value;
+            colors[i][c] = power == kSrgb     ? srgb_decode(value)
+                           : power == kLinear ? value
+                                              : std::pow(value, power);
         }
     }
     return colors;
@@ -220,8 +229,8 @@ ReadImage read_file(const std::string& path, const ImageChoice& choice) {
     read.attributes = own_attributes(spec);
     read.image.width = static_cast<std::uint32_t>(spec.width);
     read.image.height = static_cast<std::uint32_t>(spec.height);
-    read.image.mean = extract(values, channels, color, is_encoded(spec));
-    if (noisy) read.image.variance = extract(values, channels, variance, false);
+    read.image.mean = extract(values, channels, color, decoding_power(spec));
+    if (noisy) read.image.variance = extract(values, channels, variance, kLinear);
     read.image.samples = count_of(spec, "scotty:samples", 0, path);
     read.image.paths_per_sample = count_of(spec, "scotty:paths_per_sample", 1, path);
     return read;

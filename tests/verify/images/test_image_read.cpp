@@ -2,6 +2,7 @@
 #include <OpenImageIO/imageio.h>
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -142,6 +143,23 @@ TEST_CASE("image reading: integers that say they are linear are not decoded", "[
         REQUIRE(output->close());
         CHECK(read_image(folder.file("a.png")).image.mean[0][0] == Approx(128.0 / 255.0));
     }
+}
+
+TEST_CASE("image reading: a gamma of the file is undone, 2.2 stands for sRGB", "[verify][image]") {
+    const TemporaryFolder folder;
+    const auto decoded = [&](float gamma) {
+        OIIO::ImageSpec spec(4, 2, 3, OIIO::TypeDesc::UINT8);
+        spec.attribute("oiio:Gamma", gamma);
+        spec.attribute("oiio:ColorSpace", "GammaCorrected");
+        const std::vector<std::uint8_t> values(24, 128);
+        const auto output = OIIO::ImageOutput::create(folder.file("a.png"));
+        REQUIRE(output->open(folder.file("a.png"), spec));
+        REQUIRE(output->write_image(OIIO::TypeDesc::UINT8, values.data()));
+        REQUIRE(output->close());
+        return read_image(folder.file("a.png")).image.mean[0][0];
+    };
+    CHECK(decoded(1.8f) == Approx(std::pow(128.0 / 255.0, 1.8)).epsilon(1e-4));
+    CHECK(decoded(2.2f) == Approx(0.215861).epsilon(1e-5));
 }
 
 TEST_CASE("image reading: parts and layers are chosen by name, and the others are told",
