@@ -2,7 +2,7 @@
 #include <array>
 
 #include "reference/base/error.h"
-#include "reference/numerics/intersect_box.h"
+#include "reference/contract/records.h"
 #include "scenes/add_polygon.h"
 #include "scenes/corner_vertices.h"
 #include "scenes/file_scene.h"

@@ -1,10 +1,11 @@
-/// A back end's run as a capture in the temporary folder, which goes with this object.
+/// A back end's run as a capture in the temporary folder, which goes with this object or when a
+/// signal ends the program.
 #pragma once
 
-#include <filesystem>
 #include <optional>
 
 #include "verify/backends/backend.h"
+#include "verify/base/scratch_folder.h"
 #include "verify/capture/capture.h"
 #include "verify/capture/pipeline_input.h"
 
@@ -13,14 +14,11 @@ namespace scotty::verify {
 class TemporaryCapture {
  public:
     TemporaryCapture(const Backend& backend, const PipelineInput& input);
-    ~TemporaryCapture();
-    TemporaryCapture(const TemporaryCapture&) = delete;
-    TemporaryCapture& operator=(const TemporaryCapture&) = delete;
 
     const Capture& get() const { return *capture_; }
 
  private:
-    std::filesystem::path folder_;
+    ScratchFolder folder_;
     std::optional<Capture> capture_;
 };
 

@@ -7,12 +7,13 @@
 #include <cstdint>
 #include <cstdio>
 
+#include "verify/base/terminal.h"
+
 namespace scotty::verify {
 
 namespace {
 constexpr std::chrono::milliseconds kQuiet{1000};
 constexpr std::chrono::milliseconds kBetween{100};
-constexpr std::size_t kColumns = 110;
 }  // namespace
 
 std::string short_duration(double seconds) {
@@ -23,7 +24,8 @@ std::string short_duration(double seconds) {
 }
 
 Progress::Progress()
-    : terminal_(isatty(STDERR_FILENO) == 1), started_(std::chrono::steady_clock::now()) {}
+    : terminal_(isatty(STDERR_FILENO) == 1 && !is_quiet()),
+      started_(std::chrono::steady_clock::now()) {}
 
 Progress::~Progress() { clear(); }
 
@@ -32,7 +34,9 @@ void Progress::show(const std::string& text) {
     if (!terminal_ || now - started_ < kQuiet || now - last_ < kBetween) return;
     last_ = now;
     shown_ = true;
-    std::fprintf(stderr, "\r\x1b[K%s", text.substr(0, kColumns).c_str());
+    // A character in the last column would wrap on some terminals.
+    const std::string line = cut_to(text, terminal_columns(STDERR_FILENO) - 1);
+    std::fprintf(stderr, "\r\x1b[K%s", line.c_str());
     std::fflush(stderr);
 }
 

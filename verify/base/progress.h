@@ -1,4 +1,5 @@
-/// A line on the terminal that shows a long run's progress; nothing if stderr is no terminal.
+/// A line on the terminal that says what a long run is doing; nothing where stderr is
+/// no terminal, or with -q.
 #pragma once
 
 #include <chrono>
@@ -16,7 +17,8 @@ class Progress {
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
-    /// Rewrites the line, at most ten times per second, and not within the first second.
+    /// Rewrites the line, cut to the terminal's width as it is then, at most ten times a second,
+    /// and not within the first second.
     void show(const std::string& text);
     /// Removes the line, so that something else can be printed.
     void clear();

@@ -20,7 +20,7 @@ void append(nlohmann::json& to, const nlohmann::json& from) {
     }
 }
 
-Spread spread_of(const nlohmann::json& seconds) {
+Spread spread_in(const nlohmann::json& seconds) {
     return verify::spread_of(seconds.get<std::vector<double>>());
 }
 
@@ -61,7 +61,7 @@ CheckBenchReport bench_check(const reference::Scene& scene, const BenchSettings&
     CheckBenchReport report;
     static_cast<BenchSubject&>(report) = subject_of(scene, settings);
     for (const auto& [name, limit] : kLimits) {
-        report.parts.push_back({name, limit, spread_of(plain[name]), spread_of(checked[name])});
+        report.parts.push_back({name, limit, spread_in(plain[name]), spread_in(checked[name])});
     }
     return report;
 }

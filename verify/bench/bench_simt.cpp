@@ -32,7 +32,7 @@ TimedRender timed_render(Pipeline& pipeline, Image& image) {
     return {taken.count(), pipeline.launches()};
 }
 
-Spread spread_of(const std::vector<TimedRender>& renders) {
+Spread spread_of_renders(const std::vector<TimedRender>& renders) {
     std::vector<double> seconds;
     seconds.reserve(renders.size());
     for (const TimedRender& render : renders) seconds.push_back(render.seconds);
@@ -86,8 +86,8 @@ SimtBenchReport bench_simt(const reference::Scene& scene, const BenchSettings& s
     SimtBenchReport report;
     static_cast<BenchSubject&>(report) = subject_of(scene, settings);
     report.render = {"whole render", ours.seconds, theirs.seconds};
-    report.emulator = spread_of(renders.emulator);
-    report.simt = spread_of(renders.simt);
+    report.emulator = spread_of_renders(renders.emulator);
+    report.simt = spread_of_renders(renders.simt);
     std::map<std::string, SimtBenchPart> parts;
     for (const LaunchRecord& launch : ours.launches) {
         parts[to_string(launch.kind)].emulator_seconds += launch.seconds;

@@ -21,7 +21,7 @@ void add_bench_command(CLI::App& app, Action& action);
 void add_analyze_command(CLI::App& app, Action& action);
 void add_doctor_command(CLI::App& app, Action& action);
 void add_capture_command(CLI::App& app, Action& action);
-void add_diff_command(CLI::App& app, Action& action);
+void add_diff_command(CLI::App& app, Action& action, const std::string& command_line);
 void add_replay_command(CLI::App& app, Action& action);
 void add_trace_command(CLI::App& app, Action& action);
 void add_golden_command(CLI::App& app, Action& action);
@@ -36,6 +36,8 @@ std::variant<Action, int> read_command_line(int argc, char** argv);
 /// What main() does; also sets up logging. Never throws.
 int run_command(int argc, char** argv);
 
+/// Prints text with verdicts in it: in colours, where the terminal wants them.
+void print_table(const std::string& text);
 /// Prints a result: text, or JSON followed by a line's end, to standard output.
 void print_result(const std::string& text);
 

@@ -13,6 +13,7 @@
 #include "verify/analysis/analysis_figures.h"
 #include "verify/analysis/analysis_measure.h"
 #include "verify/analysis/analysis_page.h"
+#include "verify/base/output_path.h"
 #include "verify/base/progress.h"
 #include "verify/base/stop_signal.h"
 #include "verify/capture/capture_format.h"
@@ -118,6 +119,7 @@ void add_choices(CLI::App& command, AnalyzeOptions& options) {
     command
         .add_option("-o,--output", options.directory, "folder for analysis.json, .html and .svg")
         ->type_name("DIR")
+        ->check(output_folder())
         ->capture_default_str();
     command.add_flag("--json", options.json, "print the JSON in place of the tables");
     command.add_flag("--quick", settings.quick, "small pictures: shows that it works, no more");

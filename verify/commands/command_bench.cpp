@@ -15,6 +15,7 @@
 #include "verify/backends/machine.h"
 #include "verify/backends/simt/simt_pipeline.h"
 #include "verify/base/ask.h"
+#include "verify/base/output_path.h"
 #include "verify/base/progress.h"
 #include "verify/bench/bench.h"
 #include "verify/bench/bench_check.h"
@@ -164,6 +165,7 @@ void add_bench_command(CLI::App& app, Action& action) {
         ->capture_default_str();
     command->add_option("--json", options->json, "write the figures as JSON; - is standard output")
         ->type_name("FILE")
+        ->check(output_file())
         ->expected(0, 1)
         ->default_str("-");
     command->add_option("--repeats", options->settings.repeats, "measurements; the median counts")

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "reference/base/error.h"
+#include "verify/base/output_path.h"
 #include "verify/base/progress.h"
 #include "verify/capture/capture_writer.h"
 #include "verify/capture/pipeline_input.h"
@@ -112,8 +113,10 @@ void add_capture_command(CLI::App& app, Action& action) {
     options->parameters.spp = 1;
     command->add_option("scene", options->scene, "a built-in scene (scotty list) or a file")
         ->required();
-    command->add_option("-o,--output", options->output, "the directory to write")->required();
-    command->add_option("--stages", options->stages, "only stages of such names [all]")
+    command->add_option("-o,--output", options->output, "the directory to write")
+        ->required()
+        ->check(output_folder());
+    command->add_option("--stage,--stages", options->stages, "only stages of such names [all]")
         ->type_name("PATTERN");
     command->add_flag("--input-only", options->input_only,
                       "run nothing: write scene, BVH and parameters");

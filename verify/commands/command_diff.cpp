@@ -7,8 +7,10 @@
 #include <nlohmann/json.hpp>
 
 #include "reference/base/error.h"
+#include "reference/base/write_file.h"
 #include "verify/backends/temporary_capture.h"
 #include "verify/base/ask.h"
+#include "verify/base/output_path.h"
 #include "verify/capture/pipeline_input.h"
 #include "verify/commands/command.h"
 #include "verify/commands/options.h"
@@ -16,6 +18,7 @@
 #include "verify/diff/replay.h"
 #include "verify/images/image_diff.h"
 #include "verify/images/image_noise.h"
+#include "verify/report/report.h"
 
 namespace scotty::verify {
 namespace {
@@ -33,6 +36,8 @@ struct DiffCommand {
     reference::PipelineParameters parameters;  ///< of --backends on a scene
     ImageDiffSettings image;
     bool image_options = false;  ///< one of those was given
+    std::string html;            ///< the page to write; empty: none
+    std::string command_line;
 };
 
 bool compares_images(const DiffCommand& options) {
@@ -51,6 +56,22 @@ void hint_at_order(const DiffCommand& options) {
             "scotty diff GOLDEN IMAGE",
             options.b);
     }
+}
+
+/// The viewer of `scotty verify`'s page, with this one pair in it.
+std::string page_of(const DiffCommand& options, const ImageDiff& diff) {
+    Report report;
+    report.threads = 0;
+    report.command = options.command_line;
+    report.stopped = diff.verdict.not_judged;
+    ImageCase& shown = report.images.emplace_back();
+    shown.name = options.b;
+    shown.image = diff.image.image;
+    shown.golden = diff.golden.image;
+    shown.verdict = diff.verdict;
+    shown.z = pixel_statistics(shown.image, shown.golden);
+    shown.replay = options.command_line;
+    return to_html(report);
 }
 
 int run_image_diff(const DiffCommand& options) {
@@ -72,7 +93,15 @@ int run_image_diff(const DiffCommand& options) {
             spdlog::warn("{} is not written: the layouts differ", options.image.heat_map);
         }
     }
-    print_result(options.json ? to_json(diff).dump(2) : to_text(diff));
+    if (!options.html.empty()) {
+        reference::write_file(options.html, page_of(options, diff));
+        spdlog::info("{}: the two images, to be looked into", options.html);
+    }
+    if (options.json) {
+        print_result(to_json(diff).dump(2));
+    } else {
+        print_table(to_text(diff));
+    }
     if (!diff.verdict.not_judged.empty()) return kExitUsage;
     return diff.verdict.passed() ? kExitPassed : kExitFailed;
 }
@@ -162,10 +191,11 @@ DiffReport compare(const DiffCommand& options) {
 int run_diff(const DiffCommand& options) {
     if (compares_images(options)) return run_image_diff(options);
     if (options.image_options) {
-        throw Error::bad_input("scotty diff",
-                               "--false-alarm, --heavy-tailed, --tolerance, --samples, "
-                               "--also, --part, --layer and --heatmap are for images, which end in "
-                               ".exr, .png or the like");
+        throw Error::bad_input(
+            "scotty diff",
+            "--false-alarm, --heavy-tailed, --tolerance, --samples, "
+            "--also, --part, --layer, --heatmap and --html are for images, which end in "
+            ".exr, .png or the like");
     }
     const DiffReport report = compare(options);
     if (report.stages.empty()) {
@@ -213,14 +243,19 @@ void add_image_options(CLI::App& command, const std::shared_ptr<DiffCommand>& op
     given(command.add_option("--layer", options->image.choice.layer,
                              "the channels NAME.R, NAME.G, NAME.B"))
         ->type_name("NAME");
+    given(command.add_option("--html", options->html,
+                             "write a page that flips, splits and magnifies the two images"))
+        ->type_name("FILE")
+        ->check(output_file());
     given(command.add_option("--heatmap", options->image.heat_map,
                              "write where they differ: z, or ulps where noise is not known"))
-        ->type_name("FILE.png");
+        ->type_name("FILE.png")
+        ->check(output_file());
 }
 
 }  // namespace
 
-void add_diff_command(CLI::App& app, Action& action) {
+void add_diff_command(CLI::App& app, Action& action, const std::string& command_line) {
     auto* command = app.add_subcommand(
         "diff",
         "Compare two captures, or a capture with a fresh run, kernel launch by launch; or an "
@@ -237,6 +272,7 @@ void add_diff_command(CLI::App& app, Action& action) {
         "  scotty diff A B --stages '*/intersect' --json\n"
         "  scotty diff GOLDEN.exr IMAGE.exr            (by noise, where the files know theirs)\n"
         "  scotty diff GOLDEN.exr a.exr --also b.exr c.exr d.exr --heatmap z.png\n"
+        "  scotty diff GOLDEN.exr IMAGE.exr --html d.html   (a page to look into both)\n"
         "  scotty diff GOLDEN.exr image.npy --tolerance 0.02\n"
         "  scotty diff GOLDEN.exr coil.cuda            (the image of a capture)\n\n"
         "Verdicts: identical, reordered (where the order is free), differs. Exit code 1 where\n"
@@ -246,6 +282,7 @@ void add_diff_command(CLI::App& app, Action& action) {
         "noise\nand the bits differ there is no verdict (exit code 2), unless --tolerance states "
         "one.");
     auto options = std::make_shared<DiffCommand>();
+    options->command_line = command_line;
     options->parameters.image_width = 64;
     options->parameters.image_height = 64;
     options->parameters.spp = 1;
@@ -268,7 +305,7 @@ void add_diff_command(CLI::App& app, Action& action) {
             },
             "fast: what runs computes approximately, and is held to tolerances [exact]")
         ->type_name("exact|fast");
-    command->add_option("--stages", options->stages, "only stages of such names [all]")
+    command->add_option("--stage,--stages", options->stages, "only stages of such names [all]")
         ->type_name("PATTERN");
     command->add_flag("--json", options->json, "the result as JSON");
     add_image_options(*command, options);

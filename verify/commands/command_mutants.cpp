@@ -12,6 +12,7 @@
 #include "reference/base/error.h"
 #include "reference/base/write_file.h"
 #include "verify/backends/checked_program.h"
+#include "verify/base/output_path.h"
 #include "verify/base/progress.h"
 #include "verify/base/shard.h"
 #include "verify/commands/command.h"
@@ -69,6 +70,8 @@ std::string list(const Selection& selection) {
     for (const PlantedFault& fault : selection.faults) {
         text += fmt::format("{:<28} {:<22} {}{}\n", fault.name, fault.file, fault.what,
                             fault.defect.empty() ? "" : " [" + fault.defect + "]");
+        if (!fault.unapplied.empty())
+            text += "  does not apply any more: " + fault.unapplied + "\n";
     }
     for (const HostileCondition& condition : selection.hostile) {
         text += fmt::format("{:<28} {:<22} {}\n", condition.name, "(no fault)", condition.what);
@@ -76,9 +79,11 @@ std::string list(const Selection& selection) {
     return text;
 }
 
+/// Of a fault that is not in the program nothing is run.
 std::vector<std::vector<std::string>> commands_of(const Selection& selection) {
     std::vector<std::vector<std::string>> commands;
     for (const PlantedFault& fault : selection.faults) {
+        if (!fault.unapplied.empty()) continue;
         commands.push_back(words_of(fault.run + " --threads 1 --json - --plant " + fault.name));
     }
     for (const HostileCondition& condition : selection.hostile) {
@@ -111,7 +116,8 @@ int run_mutants(const MutantsOptions& options) {
     report.shard = options.shard;
     std::size_t index = 0;
     for (const auto& fault : selection.faults) {
-        report.faults.push_back(judge(fault, outcomes[index++]));
+        const bool ran = fault.unapplied.empty();
+        report.faults.push_back(judge(fault, ran ? outcomes[index++] : ProcessOutcome{}));
     }
     for (const auto& condition : selection.hostile) {
         report.hostile.push_back(judge(condition, outcomes[index++]));
@@ -120,7 +126,11 @@ int run_mutants(const MutantsOptions& options) {
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const std::string json = to_json(report).dump(2) + "\n";
     if (!options.json.empty() && options.json != "-") reference::write_file(options.json, json);
-    print_result(options.json == "-" ? json : to_text(report));
+    if (options.json == "-") {
+        print_result(json);
+    } else {
+        print_table(to_text(report));
+    }
     return report.passed() ? kExitPassed : kExitFailed;
 }
 
@@ -143,7 +153,8 @@ void add_mutants_command(CLI::App& app, Action& action) {
     command->add_option("names", options->names, "faults or hostile conditions; all by default");
     command->add_flag("--list", options->list, "say what there is, and run nothing");
     command->add_option("--json", options->json, "write the result as JSON; - is standard output")
-        ->type_name("FILE");
+        ->type_name("FILE")
+        ->check(output_file());
     add_shard_option(*command, options->shard);
     command->add_option("--limit", options->limit, "seconds that one of them may take")
         ->capture_default_str()

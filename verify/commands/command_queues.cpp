@@ -11,6 +11,7 @@
 
 #include "reference/base/error.h"
 #include "reference/base/write_file.h"
+#include "verify/base/output_path.h"
 #include "verify/commands/command.h"
 #include "verify/queues/queues_json.h"
 #include "verify/queues/queues_page.h"
@@ -320,11 +321,13 @@ void add_queues_command(CLI::App& app, Action& action) {
     command->add_option("--diff", options->other, "another capture of the same run, beside it")
         ->type_name("OTHER");
     command->add_option("--trace", options->trace, "write a time line as Chrome trace JSON")
-        ->type_name("FILE");
+        ->type_name("FILE")
+        ->check(output_file());
     command
         ->add_option("--html", options->html,
                      "write all of it as a page, which shows what else was asked for first")
-        ->type_name("FILE");
+        ->type_name("FILE")
+        ->check(output_file());
     auto* csv = command->add_flag("--csv", options->csv, "the rows as CSV");
     command->add_flag("--json", options->json, "the rows as JSON")->excludes(csv);
     command->add_flag("--all", options->all, "all rows and rays, however many there are");

@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <cstring>
@@ -105,6 +106,12 @@ int run_render(RenderOptions options) {
     reference::validate(p);
     check_image_path(options.output.file);
     const bool by_embree = options.backend.name == "embree";
+    const auto& names = backend_names();
+    if (!by_embree && std::find(names.begin(), names.end(), options.backend.name) == names.end()) {
+        throw reference::Error::bad_input(
+            "--backend", fmt::format("expected one of {}, embree, found '{}'",
+                                     fmt::join(names, ", "), options.backend.name));
+    }
     const Backend backend =
         by_embree ? embree(options.threads) : chosen_backend(options.backend, options.threads, p);
     if (!by_embree) expect_arithmetic(backend, p);

@@ -6,6 +6,7 @@
 
 #include "reference/base/error.h"
 #include "verify/backends/checked_program.h"
+#include "verify/base/output_path.h"
 #include "verify/commands/command.h"
 #include "verify/commands/options.h"
 #include "verify/diff/replay.h"
@@ -101,6 +102,7 @@ void add_replay_command(CLI::App& app, Action& action) {
         ->needs(interleave);
     command->add_option("--save", options->save, "where a failing order goes")
         ->type_name("FILE")
+        ->check(output_file())
         ->capture_default_str()
         ->needs(interleave);
     add_thread_option(*command, options->threads);

@@ -10,6 +10,7 @@
 #include "reference/base/error.h"
 #include "reference/truth/tracers.h"
 #include "verify/backends/backend.h"
+#include "verify/base/output_path.h"
 #include "verify/base/progress.h"
 #include "verify/capture/ray_file.h"
 #include "verify/commands/command.h"
@@ -115,7 +116,8 @@ void add_trace_command(CLI::App& app, Action& action) {
         ->add_option("--scene", options->scene, "a built-in scene, a file, or a .scn of triangles")
         ->required();
     command->add_option("--rays", options->rays, "the .ray file")->required();
-    command->add_option("-o,--output", options->output, "the file of hits to write");
+    command->add_option("-o,--output", options->output, "the file of hits to write")
+        ->check(output_file());
     add_backend_options(*command, options->backend, "who traces: emulator, embree, simt or cuda",
                         true);
     command->add_flag("--any", options->any_hit, "ask only whether something is hit");

@@ -15,13 +15,17 @@
 #include "reference/base/write_file.h"
 #include "scenes/scenes.h"
 #include "verify/backends/backend.h"
+#include "verify/base/output_path.h"
 #include "verify/base/progress.h"
+#include "verify/base/stop_signal.h"
 #include "verify/capture/capture_format.h"
 #include "verify/capture/npy.h"
 #include "verify/commands/command.h"
 #include "verify/commands/options.h"
 #include "verify/commands/report_outputs.h"
+#include "verify/golden/golden.h"
 #include "verify/golden/verify_golden.h"
+#include "verify/report/failure_groups.h"
 #include "verify/report/report.h"
 #include "verify/report/report_file.h"
 #include "verify/sweep/verify.h"
@@ -41,6 +45,15 @@ struct VerifyOptions {
     std::string golden;
     std::string shard;
     std::string command_line;
+    /// Says the first failure at once, to standard error: whoever waits for a verdict has it.
+    bool announced = false;
+    const StopSignals* signals = nullptr;
+
+    void announce(const PlacedFailure& first) {
+        if (std::exchange(announced, true)) return;
+        spdlog::error("first failure: {}", to_text(first));
+    }
+    bool stopped_by_user() const { return signals != nullptr && signals->received() != 0; }
 
     /// The golden files are of whole scenes: not asked where some configurations or stages are. The
     /// exact tier would take minutes for what its comparison with the emulator says bit by bit.
@@ -96,14 +109,33 @@ GoldenSettings golden_settings(const VerifyOptions& options, std::size_t first_u
     return golden;
 }
 
-void judge_golden_files(const VerifyOptions& options, GoldenSettings golden, Report& report) {
+/// `left_out` runs or images were not made.
+void note_stop(const VerifyOptions& options, std::size_t left_out, Report& report) {
+    report.stopped =
+        fmt::format("{}; {} runs or images of this scene were not made, and nothing after it",
+                    options.stopped_by_user() ? "stopped by a signal"
+                                              : "--fail-fast ended it at the first failure",
+                    left_out);
+}
+
+void judge_golden_files(VerifyOptions& options, GoldenSettings golden, Report& report) {
     Progress progress;
+    golden.stop = [&] {
+        if (report.passed()) return options.stopped_by_user();
+        progress.clear();
+        options.announce(placed_failures(report).front());
+        return options.settings.fail_fast || options.stopped_by_user();
+    };
     golden.progress = [&](const std::string& name, std::size_t done, std::size_t total) {
         progress.show(fmt::format("golden image {} of {}: {}", done + 1, total, name));
     };
     const auto device = Configuration{options.settings.parameters}.device(options.settings.threads);
     verify_golden(golden, backend_named(options.backend.name, device), report);
     progress.clear();
+    if (!report.unjudged_units.empty() && report.stopped.empty() &&
+        (options.settings.fail_fast || options.stopped_by_user())) {
+        note_stop(options, report.unjudged_units.size(), report);
+    }
     if (options.only_golden && units_of_golden(golden) == 0 && report.golden_failures.empty()) {
         throw reference::Error::bad_input(
             "--only-golden",
@@ -128,7 +160,8 @@ int run_verify(VerifyOptions& options) {
     options.settings.plant = options.backend.plant;
     reference::validate(options.settings.parameters);
     configurations(options.settings.parameters, options.settings.filter);
-    if (options.scenes.empty()) {
+    const bool all_built_in = options.scenes.empty();
+    if (all_built_in) {
         for (const auto& scene : scenes::built_in_scenes()) options.scenes.push_back(scene.name);
     }
     // A run is known by its scene and number, in reports and between shards.
@@ -138,9 +171,19 @@ int run_verify(VerifyOptions& options) {
     }
     std::vector<reference::Scene> loaded;
     for (const std::string& scene : options.scenes) loaded.push_back(scenes::load_scene(scene));
+    if (all_built_in) {  // small ones first: the first failure is found sooner
+        std::stable_sort(loaded.begin(), loaded.end(), [](const auto& a, const auto& b) {
+            return a.triangles.size() < b.triangles.size();
+        });
+        for (std::size_t i = 0; i < loaded.size(); ++i) options.scenes[i] = loaded[i].source;
+    }
 
     // Runs are numbered over the whole sweep, scene after scene, then the golden images.
     const Shard shard = parse_shard(options.shard);
+    if (options.asks_golden() && options.golden.empty() &&
+        units_of_golden(golden_settings(options, 0)) != 0) {
+        options.golden = find_golden_folder().string();  // where there is none: before all the work
+    }
     const std::size_t each = options.only_golden ? 0 : units_of_scene(options.settings);
     const std::size_t first_golden = each * loaded.size();
     const std::size_t units =
@@ -157,7 +200,11 @@ int run_verify(VerifyOptions& options) {
                          : static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
     report.backend = options.settings.backend;
     report.command = options.command_line;
-    for (std::size_t i = 0; i < loaded.size() && !options.only_golden; ++i) {
+    const StopSignals signals;
+    options.signals = &signals;
+    options.settings.stop = [&] { return signals.received() != 0; };
+    for (std::size_t i = 0; i < loaded.size() && !options.only_golden && report.stopped.empty();
+         ++i) {
         const auto warn = [&](const std::string& warning) {
             spdlog::warn("{}: {}", options.scenes[i], warning);
         };
@@ -169,8 +216,15 @@ int run_verify(VerifyOptions& options) {
             progress.show(fmt::format("scene {} of {}: {}, {} of {}: {}", i + 1, loaded.size(),
                                       loaded[i].name, done + 1, total, what));
         };
+        options.settings.on_first_failure = [&](const PlacedFailure& first) {
+            progress.clear();
+            options.announce(first);
+        };
         SceneReport scene = verify_scene(loaded[i], options.settings);
         progress.clear();
+        if (scene.left_out != 0 || (options.settings.fail_fast && !scene.passed())) {
+            note_stop(options, scene.left_out, report);
+        }
         if (scene.configurations.empty()) continue;  // all of it is other shards'
         const auto known = static_cast<std::ptrdiff_t>(loaded[i].warnings.size());
         std::for_each(scene.warnings.begin() + known, scene.warnings.end(), warn);
@@ -179,7 +233,7 @@ int run_verify(VerifyOptions& options) {
                      scene.passed() ? "passed" : "FAILED");
         report.scenes.push_back(std::move(scene));
     }
-    if (options.asks_golden()) {
+    if (options.asks_golden() && report.stopped.empty()) {
         judge_golden_files(options, golden_settings(options, first_golden), report);
     } else if (options.backend.name == "simt" && !options.no_golden) {
         spdlog::info(
@@ -192,7 +246,8 @@ int run_verify(VerifyOptions& options) {
             report.relaxed_reads.push_back({read.line, read.met});
         }
     }
-    if (!options.only_golden && !options.settings.has_unit && report.judged_no_stage()) {
+    if (!options.only_golden && !options.settings.has_unit && report.stopped.empty() &&
+        report.judged_no_stage()) {
         throw reference::Error::bad_input(
             "--stage", fmt::format("no stage's name matches '{}'; names look like "
                                    "bounce1/light0/level3/intersect (* and ? may stand in)",
@@ -201,7 +256,9 @@ int run_verify(VerifyOptions& options) {
     std::optional<ReportPart> part;
     if (!options.shard.empty()) part = {shard, units, sweep_of(options, loaded), report};
     write_reports(options, report, part);
-    return report.passed() ? kExitPassed : kExitFailed;
+    if (report.passed()) return kExitPassed;
+    const bool nothing_failed = placed_failures(report).empty();
+    return nothing_failed ? kExitStopped + signals.received() : kExitFailed;
 }
 
 }  // namespace
@@ -247,11 +304,15 @@ void add_verify_command(CLI::App& app, Action& action, const std::string& comman
     command
         ->add_option("--report", options->folder,
                      "write all three (verify.json, verify.junit.xml, verify.html) to a folder")
-        ->type_name("DIR");
+        ->type_name("DIR")
+        ->check(output_folder());
     command
         ->add_option("--stage", options->settings.stage_pattern,
                      "judge only stages of such a name: a part of it, or with * and ? all of it")
         ->type_name("PATTERN");
+    command->add_flag("--fail-fast", options->settings.fail_fast,
+                      "end at the first failure, which is printed as soon as it is found in any "
+                      "case");
     command->add_flag("!--no-oracles", options->settings.oracles,
                       "leave out brute force and Embree");
     command

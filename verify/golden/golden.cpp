@@ -133,12 +133,15 @@ std::string checksum(const fs::path& file) {
 fs::path find_golden_folder() {
     std::error_code ignored;
     const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
+    const fs::path installed = program.parent_path().parent_path() / "share/cuda-scotty/golden";
+    if (fs::exists(installed / "manifest.json", ignored)) return installed;
     for (const fs::path& start : {program.parent_path(), fs::current_path(ignored)}) {
         if (fs::path found = golden_above(start); !found.empty()) return found;
     }
     throw Error::bad_input("golden/manifest.json",
-                           "found neither above the program nor at or above the current folder; "
-                           "name the folder with --golden");
+                           "found neither beside or above the program nor at or above the current "
+                           "folder; name the folder with --golden (scotty verify --no-golden goes "
+                           "without)");
 }
 
 const char* to_string(GoldenProblem problem) {

@@ -22,22 +22,6 @@ Failure golden_failure(const std::string& invariant, const std::string& place,
     return failure;
 }
 
-/// The signed statistic of every pixel; empty where noise is not known.
-std::vector<Color> statistics(const MeasuredImage& image, const MeasuredImage& golden) {
-    if (!NoisyPair::why_not(image, golden).empty()) return {};
-    const NoisyPair pair(image, golden);
-    std::vector<Color> z(image.mean.size());
-    for (std::uint32_t y = 0; y < image.height; ++y) {
-        for (std::uint32_t x = 0; x < image.width; ++x) {
-            for (std::size_t channel = 0; channel < 3; ++channel) {
-                z[std::size_t{y} * image.width + x][channel] =
-                    pair.test({x, y, 1, 1}, channel).statistic;
-            }
-        }
-    }
-    return z;
-}
-
 std::vector<GoldenCase> cases_of(const GoldenSettings& settings) {
     std::vector<GoldenCase> cases = golden_cases();
     std::erase_if(cases, [&](const GoldenCase& one) {
@@ -50,7 +34,7 @@ std::vector<GoldenCase> cases_of(const GoldenSettings& settings) {
 ImageCase image_case(GoldenVerdict verdict) {
     ImageCase out;
     out.name = verdict.name;
-    out.z = statistics(verdict.found, verdict.golden);
+    out.z = pixel_statistics(verdict.found, verdict.golden);
     out.image = std::move(verdict.found);
     out.golden = std::move(verdict.golden);
     out.waived = std::move(verdict.waived);
@@ -104,11 +88,12 @@ void verify_golden(const GoldenSettings& settings, const Backend& backend, Repor
         }
         WaiverBook waivers(read_waivers(folder), today());
         const double each = false_alarm_per_image(settings.false_alarm, cases.size());
+        bool stopped = settings.stop && settings.stop();
         for (; reached < cases.size(); ++reached) {
             if (!ours(reached)) continue;
             const GoldenCase& one = cases[reached];
             const std::size_t unit = settings.first_unit + reached;
-            if (std::find(broken.begin(), broken.end(), one.name) != broken.end()) {
+            if (stopped || std::find(broken.begin(), broken.end(), one.name) != broken.end()) {
                 report.unjudged_units.push_back(unit);
                 continue;
             }
@@ -116,8 +101,9 @@ void verify_golden(const GoldenSettings& settings, const Backend& backend, Repor
             report.images.push_back(
                 image_case(judge_golden(folder, one, backend, waivers, each, settings.threads)));
             report.images.back().unit = unit;
+            stopped = settings.stop && settings.stop();
         }
-        if (settings.has_unit) return;  // no shard knows what the others needed
+        if (stopped || settings.has_unit) return;  // no shard knows what the others needed
         for (const Waiver& unused : waivers.unused(names, backend.name)) {
             spdlog::warn("{} covered nothing: it can go from golden/waivers.json",
                          to_string(unused));

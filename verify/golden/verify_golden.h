@@ -22,6 +22,9 @@ struct GoldenSettings {
     std::function<bool(std::size_t unit)> has_unit;
     std::size_t first_unit = 0;
     std::function<void(const std::string& name, std::size_t done, std::size_t total)> progress;
+    /// Called after every case with the report so far: true leaves out the others, whose numbers go
+    /// to Report::unjudged_units.
+    std::function<bool()> stop;
 };
 
 /// How many golden cases these scenes have.

@@ -124,6 +124,21 @@ RegionTest NoisyPair::test(const Region& region, std::size_t channel) const {
     return test;
 }
 
+std::vector<Color> pixel_statistics(const MeasuredImage& image, const MeasuredImage& golden) {
+    if (!NoisyPair::why_not(image, golden).empty()) return {};
+    const NoisyPair pair(image, golden);
+    std::vector<Color> z(image.mean.size());
+    for (std::uint32_t y = 0; y < image.height; ++y) {
+        for (std::uint32_t x = 0; x < image.width; ++x) {
+            for (std::size_t channel = 0; channel < 3; ++channel) {
+                z[std::size_t{y} * image.width + x][channel] =
+                    pair.test({x, y, 1, 1}, channel).statistic;
+            }
+        }
+    }
+    return z;
+}
+
 std::vector<double> z_map(const NoisyPair& pair, std::uint32_t width, std::uint32_t height) {
     std::vector<double> map;
     map.reserve(std::size_t{width} * height);

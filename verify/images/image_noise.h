@@ -63,7 +63,10 @@ class NoisyPair {
     double rounding_;  ///< share of a sum by which float arithmetic may be off
 };
 
-/// The largest |z| of the channels for each pixel; infinite if a constant pixel differs.
+/// The signed statistic of each pixel and channel; empty where noise is not known.
+std::vector<Color> pixel_statistics(const MeasuredImage& image, const MeasuredImage& golden);
+
+/// Largest |z| of the channels for each pixel; infinite where a constant pixel differs.
 std::vector<double> z_map(const NoisyPair& pair, std::uint32_t width, std::uint32_t height);
 
 }  // namespace scotty::verify

@@ -7,7 +7,8 @@
 
   --registry FILE, --top DIR     another registry, another project: for tests of this program
 
-A fault is a text that matches once in its file, so that it cannot rot unseen, and what stands there instead. Where that is an
+A fault is a text that matches once in its file, and what stands there instead. One whose text is not there any more, or is
+there twice, is left out, and the registry says why ("unapplied"): `scotty mutants` fails on it, and no build does. Where it is an
 expression, the two become `(PLANTED ? (replace) : (find))`; several faults may share one `find`. Otherwise `replace` says
 PLANTED itself, and is the whole of the new text. Copies keep the lines of their originals and name them.
 """
@@ -43,11 +44,16 @@ def load(path):
     return registry
 
 
+def why_not(fault, text):
+    """Why a fault cannot be planted in the text of its file, which somebody may have edited; empty: it can."""
+    if text is None:
+        return f"{fault['file']} is not one of the files that are compiled with faults"
+    count = text.count(fault["find"])
+    return "" if count == 1 else f"found {count} times in {fault['file']}, not once: {fault['find']}"
+
+
 def place_of(fault, text):
     """Begin and end of its `find` in the text of its file."""
-    count = text.count(fault["find"])
-    if count != 1:
-        sys.exit(f"{fault['name']}: found {count} times in {fault['file']}, not once: {fault['find']}")
     if "#" in fault["find"] or "#" in fault["replace"] or "//" in fault["replace"]:
         sys.exit(f"{fault['name']}: no preprocessor lines and no comments in what is replaced")
     begin = text.index(fault["find"])
@@ -95,9 +101,13 @@ def write_if_new(path, text):
     os.replace(path + ".unfinished", path)
 
 
-def copy(top, out, path, faults, switch_of, header):
+def read(top, path):
     with open(os.path.join(top, path), encoding="utf-8") as file:
-        text = plant(path, file.read(), faults, switch_of)
+        return file.read()
+
+
+def copy(top, out, path, faults, switch_of, header):
+    text = plant(path, read(top, path), faults, switch_of)
     line = f'#line 1 "{os.path.join(top, path)}"\n'
     write_if_new(os.path.join(out, path), header + line + text)
 
@@ -137,14 +147,20 @@ def main():
         chosen = [fault for fault in faults if fault["name"] == options.alone]
         if not chosen:
             sys.exit(f"{options.alone}: no such fault in {options.registry}")
+        reason = why_not(chosen[0], read(options.top, chosen[0]["file"]))
+        if reason:
+            sys.exit(f"{options.alone}: {reason}")
         copy(options.top, options.out, chosen[0]["file"], chosen, lambda _: "true", "")
         return
+    texts = {path: read(options.top, path) for path in options.files}
     for fault in faults:
-        if fault["file"] not in options.files:
-            sys.exit(f"{fault['name']}: {fault['file']} is not one of the files that are compiled with faults")
+        reason = why_not(fault, texts.get(fault["file"]))
+        if reason:
+            fault["unapplied"] = reason
+            print(f"{fault['name']} does not apply any more: {reason}", file=sys.stderr)
     numbers = {fault["name"]: index + 1 for index, fault in enumerate(faults)}
     for path in options.files:
-        here = [fault for fault in faults if fault["file"] == path]
+        here = [fault for fault in faults if fault["file"] == path and "unapplied" not in fault]
         header = '#include "verify/mutants/planted.h"\n' if here else ""
         copy(options.top, options.out, path, here, lambda fault: f"SCOTTY_PLANTED({numbers[fault['name']]})", header)
     write_if_new(os.path.join(options.out, "registry.cpp"), registry_source(registry))

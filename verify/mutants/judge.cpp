@@ -115,6 +115,9 @@ std::string kind_of_error(const std::string& says) {
 }
 
 MutantResult judge(const PlantedFault& fault, const ProcessOutcome& outcome) {
+    if (!fault.unapplied.empty()) {
+        return {fault, {}, 0.0, "does not apply any more: " + fault.unapplied};
+    }
     MutantResult result{fault, what_was_found(outcome), outcome.seconds, ""};
     const MutantCatch& found = result.found;
     const ExpectedCatch& expect = fault.expect;

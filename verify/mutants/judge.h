@@ -15,6 +15,7 @@ namespace scotty::verify {
 /// "error" for anything else.
 std::string kind_of_error(const std::string& says);
 
+/// A fault that is not in the program is not caught, whatever its command said.
 MutantResult judge(const PlantedFault& fault, const ProcessOutcome& outcome);
 HostileResult judge(const HostileCondition& condition, const ProcessOutcome& outcome);
 

@@ -50,6 +50,7 @@ std::vector<PlantedFault> planted_faults() {
         fault.file = entry.at("file");
         fault.defect = entry.value("defect", "");
         fault.run = entry.at("run");
+        fault.unapplied = entry.value("unapplied", "");
         const auto& expect = entry.at("expect");
         fault.expect = {expect.at("check"), expect.at("stage"), expect.value("says", ""),
                         expect.value("also", std::vector<std::string>())};
@@ -77,6 +78,12 @@ void plant(const std::string& name, const std::string& backend) {
         throw Error::bad_input(
             "--plant",
             fmt::format("'{}' is no fault; scotty mutants --list has their names", name));
+    }
+    if (!found->unapplied.empty()) {
+        throw Error::bad_input("--plant",
+                               fmt::format("{} does not apply any more: {} (verify/mutants/"
+                                           "registry.json)",
+                                           name, found->unapplied));
     }
     if (found->backend() != backend) {
         throw Error::bad_input("--plant", fmt::format("{} is in {}: it needs --backend {}", name,

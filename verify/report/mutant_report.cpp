@@ -30,10 +30,15 @@ std::string row(const MutantResult& result) {
     const MutantCatch& found = result.found;
     std::string text =
         fmt::format("{:<8} {:<30} {:<32} {:<18} {:>6} {:<34} {:>5.1f}  {}\n",
-                    result.caught() ? "caught" : "ESCAPED", result.fault.name, result.fault.file,
-                    found.check.empty() ? "-" : found.check, launch_text(found.launch),
-                    found.stage.empty() ? "-" : found.stage, result.seconds, found.place);
-    if (!result.caught()) {
+                    result.caught()                   ? "caught"
+                    : !result.fault.unapplied.empty() ? "GONE"
+                                                      : "ESCAPED",
+                    result.fault.name, result.fault.file, found.check.empty() ? "-" : found.check,
+                    launch_text(found.launch), found.stage.empty() ? "-" : found.stage,
+                    result.seconds, found.place);
+    if (!result.fault.unapplied.empty()) {
+        text += fmt::format("         {}\n", result.why_not);
+    } else if (!result.caught()) {
         text += fmt::format("         {}{}{}\n         scotty {} --plant {}\n", result.why_not,
                             found.says.empty() ? "" : "; said: ", found.says, result.fault.run,
                             result.fault.name);
@@ -46,6 +51,12 @@ std::string row(const MutantResult& result) {
 std::size_t MutantReport::caught() const {
     return static_cast<std::size_t>(std::count_if(
         faults.begin(), faults.end(), [](const MutantResult& one) { return one.caught(); }));
+}
+
+std::size_t MutantReport::unapplied() const {
+    return static_cast<std::size_t>(
+        std::count_if(faults.begin(), faults.end(),
+                      [](const MutantResult& one) { return !one.fault.unapplied.empty(); }));
 }
 
 bool MutantReport::passed() const {
@@ -77,6 +88,12 @@ std::string score(const MutantReport& report) {
     if (!report.faults.empty()) {
         text += fmt::format("mutants: {} of {} caught\n", report.caught(), report.faults.size());
     }
+    if (report.unapplied() != 0) {
+        text += fmt::format(
+            "{} of them do not apply any more: verify/mutants/registry.json quotes texts that have "
+            "changed\n",
+            report.unapplied());
+    }
     if (!report.hostile.empty()) {
         text += fmt::format("hostile conditions: {} of {} passed\n", passed_conditions(report),
                             report.hostile.size());
@@ -95,6 +112,7 @@ nlohmann::json to_json(const MutantReport& report) {
             {"defect", result.fault.defect},
             {"caught", result.caught()},
             {"why_not", result.why_not},
+            {"unapplied", result.fault.unapplied},
             {"check", found.check},
             {"stage", found.stage},
             {"launch", nullptr},
@@ -138,6 +156,7 @@ MutantReport read_mutants(const std::string& path, const nlohmann::json& object)
             result.fault.defect = one.at("defect");
             result.fault.run = one.at("run");
             result.why_not = one.at("why_not");
+            result.fault.unapplied = one.value("unapplied", "");
             result.seconds = one.at("seconds");
             result.found.check = one.at("check");
             result.found.stage = one.at("stage");

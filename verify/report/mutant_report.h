@@ -27,6 +27,9 @@ struct PlantedFault {
     std::string defect;  ///< of a published program that had it; mostly empty
     std::string run;     ///< the arguments of the command that has to catch it
     ExpectedCatch expect;
+    /// Why it is not in this program: the kernels have changed so that the text that it replaces is
+    /// not there once any more. Empty: it is there.
+    std::string unapplied{};
 
     /// Of the back end whose kernels have it.
     std::string backend() const { return file.starts_with("gpu/") ? "simt" : "emulator"; }
@@ -73,6 +76,7 @@ struct MutantReport {
     double seconds = 0.0;
 
     std::size_t caught() const;
+    std::size_t unapplied() const;
     bool passed() const;
 };
 std::string to_text(const MutantReport& report);

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "reference/base/error.h"
 #include "verify/base/json_number.h"
+#include "verify/report/failure_groups.h"
 
 namespace scotty::verify {
 
@@ -32,7 +34,7 @@ bool SceneReport::passed() const {
 }
 
 bool Report::passed() const {
-    return golden_failures.empty() && (!mutants || mutants->passed()) &&
+    return stopped.empty() && golden_failures.empty() && (!mutants || mutants->passed()) &&
            std::all_of(scenes.begin(), scenes.end(),
                        [](const SceneReport& scene) { return scene.passed(); }) &&
            std::all_of(images.begin(), images.end(),
@@ -46,27 +48,32 @@ bool Report::judged_no_stage() const {
     });
 }
 
+std::vector<PlacedFailure> placed_failures(const SceneReport& scene) {
+    std::vector<PlacedFailure> placed;
+    const std::string baseline =
+        scene.configurations.empty() ? "" : scene.configurations.front().replay;
+    const auto add = [&](const std::string& configuration, const std::string& replay,
+                         const std::vector<Failure>& failures) {
+        for (const Failure& failure : failures) {
+            const bool of_stage = failure.launch != reference::kNotApplicable;
+            placed.push_back(
+                {scene.scene, configuration, failure,
+                 of_stage ? fmt::format("{} --stage '{}'", replay, failure.stage) : replay, ""});
+        }
+    };
+    add("BVH", baseline, scene.bvh_failures);
+    for (const ConfigurationReport& configuration : scene.configurations) {
+        add(configuration.label, configuration.replay, configuration.failures);
+    }
+    add("oracles on the baseline", baseline, scene.hits.failures);
+    add("oracles on the baseline", baseline, scene.image.failures);
+    return placed;
+}
+
 std::vector<PlacedFailure> placed_failures(const Report& report) {
     std::vector<PlacedFailure> placed;
     for (const SceneReport& scene : report.scenes) {
-        const std::string baseline =
-            scene.configurations.empty() ? "" : scene.configurations.front().replay;
-        const auto add = [&](const std::string& configuration, const std::string& replay,
-                             const std::vector<Failure>& failures) {
-            for (const Failure& failure : failures) {
-                const bool of_stage = failure.launch != reference::kNotApplicable;
-                placed.push_back(
-                    {scene.scene, configuration, failure,
-                     of_stage ? fmt::format("{} --stage '{}'", replay, failure.stage) : replay,
-                     ""});
-            }
-        };
-        add("BVH", baseline, scene.bvh_failures);
-        for (const ConfigurationReport& configuration : scene.configurations) {
-            add(configuration.label, configuration.replay, configuration.failures);
-        }
-        add("oracles on the baseline", baseline, scene.hits.failures);
-        add("oracles on the baseline", baseline, scene.image.failures);
+        for (PlacedFailure& failure : placed_failures(scene)) placed.push_back(std::move(failure));
     }
     for (const Failure& failure : report.golden_failures) {
         placed.push_back({failure.stage, "golden files", failure, "scotty golden check", ""});
@@ -117,13 +124,26 @@ const GateResult* leading_gate(const ImageVerdict& verdict) {
     return leading;
 }
 
+/// A name that does not fit is cut, and says so.
+std::string cut(const std::string& text, std::size_t columns) {
+    return text.size() <= columns ? text : text.substr(0, columns - 1) + "~";
+}
+
+/// "all", or a percentage that is 100 % for nothing less than all.
+std::string share(bool measured, std::uint64_t part, std::uint64_t whole) {
+    if (!measured) return "-";
+    if (part == whole) return "all";
+    return fmt::format("{:.0f} %",
+                       std::floor(100.0 * static_cast<double>(part) / static_cast<double>(whole)));
+}
+
 std::string image_table(const std::vector<ImageCase>& images) {
     if (images.empty()) return "";
     const auto row = [](const auto&... cells) {
-        return fmt::format("{:<14} {:>9} {:>8} {:>10} {:>10} {:>9} {:>10} {:>8}  {}\n", cells...);
+        return fmt::format("{:<14} {:>7} {:>9} {:>8} {:>8} {:>8} {:>8}  {}\n", cells...);
     };
-    std::string out = "\n" + row("golden image", "pixels", "gate", "statistic", "p", "below",
-                                 "FLIP", "relMSE", "verdict");
+    std::string out =
+        "\n" + row("golden image", "gate", "statistic", "p", "below", "FLIP", "relMSE", "verdict");
     for (const ImageCase& image : images) {
         const GateResult* gate = leading_gate(image.verdict);
         const auto in_short = [](double value) { return fmt::format("{:.2g}", value); };
@@ -131,11 +151,10 @@ std::string image_table(const std::vector<ImageCase>& images) {
             const bool measured = gate != nullptr && statistical(gate->gate);
             return measured ? in_short(gate->*member) : std::string("-");
         };
-        out += row(image.name, fmt::format("{}x{}", image.image.width, image.image.height),
-                   gate == nullptr ? "-" : name(gate->gate), of_gate(&GateResult::statistic),
-                   of_gate(&GateResult::p_value), of_gate(&GateResult::threshold),
-                   in_short(image.verdict.metrics.flip), in_short(image.verdict.metrics.rel_mse),
-                   image.passed() ? "passed" : "FAILED");
+        out += row(cut(image.name, 14), gate == nullptr ? "-" : name(gate->gate),
+                   of_gate(&GateResult::statistic), of_gate(&GateResult::p_value),
+                   of_gate(&GateResult::threshold), in_short(image.verdict.metrics.flip),
+                   in_short(image.verdict.metrics.rel_mse), image.passed() ? "passed" : "FAILED");
         for (const std::string& waived : image.waived) {
             out += fmt::format("  {}: let pass: {}\n", image.name, waived);
         }
@@ -146,6 +165,12 @@ std::string image_table(const std::vector<ImageCase>& images) {
 }  // namespace
 
 namespace {
+
+/// What was judged may have passed where not all was.
+const char* verdict_word(const Report& report) {
+    if (report.passed()) return "passed";
+    return placed_failures(report).empty() ? "STOPPED" : "FAILED";
+}
 
 /// A line each, of what was asked for.
 std::string schedules_and_checks(const Report& report) {
@@ -170,28 +195,21 @@ std::string schedules_and_checks(const Report& report) {
 
 std::string table(const Report& report) {
     const auto row = [](const auto&... cells) {
-        return fmt::format(
-            "{:<14} {:>10} {:>7} {:>11} {:>20} {:>11} {:>6} {:>7} {:>6} {:>12} {:>8}  {}\n",
-            cells...);
+        return fmt::format("{:<12} {:>9} {:>4} {:>9} {:>5} {:>7} {:>5} {:>6} {:>7}  {}\n",
+                           cells...);
     };
-    std::string out = row("scene", "triangles", "config.", "rays", "brute force", "Embree", "ties",
-                          "grazing", "E.bad", "pixels equal", "seconds", "verdict");
+    std::string out = row("scene", "triangles", "runs", "rays", "brute", "Embree", "E.bad",
+                          "pixels", "seconds", "verdict");
     std::uint64_t rays = 0;
     std::size_t configurations = 0;
     StageCounts stages;
     for (const SceneReport& scene : report.scenes) {
         const HitCheckResult& hits = scene.hits;
-        const std::string brute = !scene.oracles_ran ? "-"
-                                  : hits.brute_force_rays == hits.rays
-                                      ? fmt::format("all {}", hits.rays)
-                                      : fmt::format("{} of {}", hits.brute_force_rays, hits.rays);
-        const std::string pixels =
-            scene.oracles_ran ? fmt::format("{}/{}", scene.image.identical, scene.image.pixels)
-                              : "-";
-        out +=
-            row(scene.scene, scene.triangles, scene.configurations.size(), scene.rays(), brute,
-                hits.embree_rays + hits.occlusion_rays, hits.ties, hits.grazing, hits.embree_wrong,
-                pixels, fmt::format("{:.1f}", scene.seconds), scene.passed() ? "passed" : "FAILED");
+        out += row(cut(scene.scene, 12), scene.triangles, scene.configurations.size(), scene.rays(),
+                   share(scene.oracles_ran, hits.brute_force_rays, hits.rays),
+                   hits.embree_rays + hits.occlusion_rays, hits.embree_wrong,
+                   share(scene.oracles_ran, scene.image.identical, scene.image.pixels),
+                   fmt::format("{:.1f}", scene.seconds), scene.passed() ? "passed" : "FAILED");
         rays += scene.rays();
         configurations += scene.configurations.size();
         for (const ConfigurationReport& c : scene.configurations) stages += c.stages;
@@ -201,7 +219,8 @@ std::string table(const Report& report) {
         report.images.empty() ? "" : fmt::format(", {} golden images", report.images.size());
     out += fmt::format("\n{} scenes, {} runs, {} rays{}, {} threads, {:.1f} s: {}\n",
                        report.scenes.size(), configurations, rays, images, report.threads,
-                       report.seconds, report.passed() ? "passed" : "FAILED");
+                       report.seconds, verdict_word(report));
+    if (!report.stopped.empty()) out += fmt::format("not all was judged: {}\n", report.stopped);
     if (stages.all() != 0) {
         out += fmt::format(
             "{} against the emulator: {} stages, {} identical, {} reordered, {} within bounds, {} "
@@ -213,15 +232,8 @@ std::string table(const Report& report) {
     if (report.mutants) out += score(*report.mutants);
     const auto failures = placed_failures(report);
     if (failures.empty()) return out;
-    const PlacedFailure& first = failures.front();
-    const Failure& f = first.failure;
-    out += fmt::format("\nfirst failure: scene {}, {}\n  {}\n", first.scene, first.configuration,
-                       to_string(f));
-    out += fmt::format("  show it again: {}\n", first.replay);
-    if (!first.approve.empty()) {
-        out += fmt::format("  if the new image is right: {}\n", first.approve);
-    }
-    if (failures.size() > 1) out += fmt::format("  and {} more\n", failures.size() - 1);
+    out += "\nfirst failure: " + to_text(failures.front());
+    out += to_text(failure_groups(failures));
     return out;
 }
 
@@ -246,6 +258,12 @@ nlohmann::json to_json(const PlacedFailure& placed) {
             {"written_by", f.written_by},
             {"replay", placed.replay},
             {"approve", placed.approve}};
+}
+
+nlohmann::json to_json(const FailureGroup& group) {
+    return {{"invariant", group.invariant},           {"stage", group.stage},
+            {"count", group.members.size()},          {"first", group.members.front()},
+            {"configurations", group.configurations}, {"scenes", group.scenes}};
 }
 
 nlohmann::json to_json(const ConfigurationReport& c) {
@@ -305,9 +323,10 @@ nlohmann::json to_json(const Report& report) {
     nlohmann::json scenes = nlohmann::json::array();
     for (const SceneReport& scene : report.scenes) scenes.push_back(to_json(scene));
     nlohmann::json failures = nlohmann::json::array();
-    for (const PlacedFailure& failure : placed_failures(report)) {
-        failures.push_back(to_json(failure));
-    }
+    const auto placed = placed_failures(report);
+    for (const PlacedFailure& failure : placed) failures.push_back(to_json(failure));
+    nlohmann::json groups = nlohmann::json::array();
+    for (const FailureGroup& group : failure_groups(placed)) groups.push_back(to_json(group));
     nlohmann::json images = nlohmann::json::array();
     for (const ImageCase& image : report.images) images.push_back(to_json(image));
     nlohmann::json relaxed = nlohmann::json::array();
@@ -327,6 +346,8 @@ nlohmann::json to_json(const Report& report) {
             {"seed", p.seed},
             {"seconds", report.seconds},
             {"failures", failures},
+            {"failure_groups", groups},
+            {"stopped", report.stopped},
             {"scenes", scenes},
             {"checked", report.checked},
             {"relaxed_reads", relaxed},

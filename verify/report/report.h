@@ -51,6 +51,8 @@ struct SceneReport {
     ImageCheckResult image;
     double oracle_seconds = 0.0;
     double seconds = 0.0;
+    /// Runs that were to be made and were not (VerifySettings::fail_fast, stop).
+    std::size_t left_out = 0;
 
     std::uint64_t rays() const;  ///< of all configurations
     bool passed() const;
@@ -79,6 +81,9 @@ struct Report {
     /// Probability that all these images together fail though nothing is wrong.
     double false_alarm = 0.0;
     double seconds = 0.0;
+    /// Why not all that was asked for was judged: "Ctrl-C", or the first failure (--fail-fast).
+    /// Empty: all was. What was not judged has not passed.
+    std::string stopped{};
     std::optional<MutantReport> mutants;  ///< where `scotty report` was given them
 
     bool passed() const;
@@ -98,8 +103,11 @@ struct PlacedFailure {
 /// those before the other configurations', the oracles last; after all scenes the images. Empty
 /// where everything passed.
 std::vector<PlacedFailure> placed_failures(const Report& report);
+/// The same of one scene, without the images.
+std::vector<PlacedFailure> placed_failures(const SceneReport& scene);
 
-/// The table that ends `scotty verify`, with the leading failure below it.
+/// The table that ends `scotty verify`, with the leading failure below it and the others by kind
+/// (failure_groups.h); no wider than 80 columns but for failures and commands.
 std::string table(const Report& report);
 nlohmann::json to_json(const Report& report);
 std::string to_junit(const Report& report);

@@ -8,12 +8,13 @@
 #include <nlohmann/json.hpp>
 
 #include "verify/pages/page.h"
+#include "verify/report/failure_groups.h"
 #include "verify/report/report.h"
 
 namespace scotty::verify {
 namespace {
 
-/// Beyond these a list is folded: whoever has 400 failures mends the first.
+/// Beyond these a table says first what there is.
 constexpr std::size_t kOpenFailures = 8;
 
 std::string verdict(bool passed) {
@@ -99,28 +100,72 @@ bool same_image(const PlacedFailure& a, const PlacedFailure& b) {
            a.scene == b.scene;
 }
 
-std::string failures_part(const std::vector<PlacedFailure>& failures) {
-    if (failures.empty()) return "";
+/// How many there are of each kind, where that is not seen at a glance.
+std::string groups_table(const std::vector<FailureGroup>& groups) {
     std::string out =
-        "<section id=\"failures\" aria-labelledby=\"failures-title\">\n<h2 "
-        "id=\"failures-title\">Failures, the one to mend first at the top</h2>\n"
-        "<ol class=\"failures\">\n";
-    bool folded = false;
-    for (std::size_t i = 0; i < failures.size(); ++i) {
-        const bool begins = i == 0 || !same_image(failures[i - 1], failures[i]);
-        if (begins && i >= kOpenFailures && !folded) {
-            folded = true;
-            out +=
-                fmt::format("</ol>\n<details><summary>{} more</summary><ol class=\"failures\">\n",
-                            failures.size() - i);
+        "<div class=\"wide\" role=\"region\" aria-label=\"Failures by kind\" tabindex=\"0\">"
+        "<table id=\"failure-groups\">\n<thead><tr><th scope=\"col\">invariant</th>"
+        "<th scope=\"col\">stage</th><th scope=\"col\">failures</th>"
+        "<th scope=\"col\">runs</th><th scope=\"col\">scenes</th></tr></thead>\n<tbody>\n";
+    for (const FailureGroup& group : groups) {
+        out += fmt::format(
+            "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+            html_text(group.invariant), html_text(group.stage), group.members.size(),
+            group.configurations, html_text(fmt::format("{}", fmt::join(group.scenes, ", "))));
+    }
+    return out + "</tbody></table></div>\n";
+}
+
+/// The first of a kind, and the others folded below it.
+std::string group_item(const FailureGroup& group, const std::vector<PlacedFailure>& failures) {
+    const PlacedFailure& first = failures[group.members.front()];
+    std::string out = "<li>\n" + finding(first) + what_to_do(first);
+    if (group.members.size() > 1) {
+        out += fmt::format("<details><summary>{} more of {}{}</summary><ol class=\"failures\">\n",
+                           group.members.size() - 1, html_text(group.invariant),
+                           group.stage.empty() ? "" : " in " + html_text(group.stage));
+        for (std::size_t i = 1; i < group.members.size(); ++i) {
+            const PlacedFailure& placed = failures[group.members[i]];
+            out += "<li>\n" + finding(placed) + what_to_do(placed) + "</li>\n";
         }
-        if (begins) out += "<li>\n";
+        out += "</ol></details>\n";
+    }
+    return out + "</li>\n";
+}
+
+/// Each image is an affair of its own, whichever gates it failed.
+std::string image_items(const std::vector<PlacedFailure>& failures) {
+    std::string out;
+    for (std::size_t i = 0; i < failures.size(); ++i) {
+        if (failures[i].approve.empty()) continue;
+        if (i == 0 || !same_image(failures[i - 1], failures[i])) out += "<li>\n";
         out += finding(failures[i]);
         if (i + 1 == failures.size() || !same_image(failures[i], failures[i + 1])) {
             out += what_to_do(failures[i]) + "</li>\n";
         }
     }
-    return out + (folded ? "</ol></details>\n" : "</ol>\n") + "</section>\n";
+    return out;
+}
+
+std::string failures_part(const std::vector<PlacedFailure>& failures) {
+    if (failures.empty()) return "";
+    std::string out =
+        "<section id=\"failures\" aria-labelledby=\"failures-title\">\n<h2 "
+        "id=\"failures-title\">Failures, the one to mend first at the top</h2>\n";
+    const std::vector<FailureGroup> groups = failure_groups(failures);
+    if (failures.size() > groups.size() || groups.size() > kOpenFailures) {
+        out += groups_table(groups);
+    }
+    out += "<ol class=\"failures\">\n";
+    for (const FailureGroup& group : groups) {
+        if (failures[group.members.front()].approve.empty()) out += group_item(group, failures);
+    }
+    return out + image_items(failures) + "</ol>\n</section>\n";
+}
+
+/// "scotty verify", or "scotty diff": who makes such pages.
+std::string made_by(const Report& report) {
+    return report.command.starts_with("scotty diff") ? "scotty diff" : "scotty verify";
 }
 
 std::string verdict_part(const Report& report, std::size_t failures) {
@@ -139,8 +184,10 @@ std::string verdict_part(const Report& report, std::size_t failures) {
         looked_at.push_back(counted(report.images.size(), "golden image"));
     }
     std::string out = fmt::format(
-        "<p class=\"quiet\">scotty verify</p>\n<h1{}</h1>\n<p class=\"lead\">{}.</p>\n",
+        "<p class=\"quiet\">{}</p>\n<h1{}</h1>\n<p class=\"lead\">{}.</p>\n",
+        html_text(made_by(report)),
         report.passed() ? ">Passed"
+        : failures == 0 ? " class=\"fault\">Not all was judged"
                         : fmt::format(" class=\"fault\">{}", counted(failures, "failure")),
         looked_at.empty() ? "Nothing was looked at"
                           : fmt::format("{}", fmt::join(looked_at, ", ")));
@@ -148,9 +195,15 @@ std::string verdict_part(const Report& report, std::size_t failures) {
     const std::string parameters =
         fmt::format("{} x {} pixels, {} samples a pixel, {} bounces, {} light samples, seed {}; ",
                     p.image_width, p.image_height, p.spp, p.bounces, p.light_samples, p.seed);
-    out += fmt::format("<p class=\"quiet\">{}{}, {}, {:.1f} s</p>\n",
-                       report.scenes.empty() ? "" : parameters, html_text(report.backend),
-                       counted(report.threads, "thread"), report.seconds);
+    if (report.threads != 0) {
+        out += fmt::format("<p class=\"quiet\">{}{}, {}, {:.1f} s</p>\n",
+                           report.scenes.empty() ? "" : parameters, html_text(report.backend),
+                           counted(report.threads, "thread"), report.seconds);
+    }
+    if (!report.stopped.empty()) {
+        out += fmt::format("<p class=\"fault\">Not all was judged: {}.</p>\n",
+                           html_text(report.stopped));
+    }
     out += command(report.command, "verify all of this again");
     out += "<nav aria-label=\"On this page\">";
     if (failures != 0) out += R"(<a href="#failures">Failures</a>)";
@@ -284,8 +337,11 @@ std::string to_html(const Report& report) {
          {"policy",
           "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "
           "style-src 'unsafe-inline'; script-src 'unsafe-inline'\">"},
-         {"title", fmt::format("<title>{}: scotty verify</title>",
-                               report.passed() ? "Passed" : counted(failures.size(), "failure"))},
+         {"title", fmt::format("<title>{}: {}</title>",
+                               report.passed()    ? "Passed"
+                               : failures.empty() ? "Stopped"
+                                                  : counted(failures.size(), "failure"),
+                               made_by(report))},
          {"verdict", verdict_part(report, failures.size())},
          {"failures", failures_part(failures)},
          {"images", images ? filled_page("images.html", {}) : ""},

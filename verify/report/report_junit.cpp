@@ -102,6 +102,15 @@ std::string to_junit(const Report& report) {
         }
         suite.finish(0.0);
     }
+    if (!report.stopped.empty()) {  // what was not judged must not look as if it had passed
+        Suite suite{root.append_child("testsuite")};
+        suite.node.append_attribute("name") = "all was judged";
+        Failure failure;
+        failure.invariant = "stopped";
+        failure.sentence = report.stopped;
+        suite.add("all was judged", 0.0, {failure}, report.command);
+        suite.finish(0.0);
+    }
     std::ostringstream text;
     document.save(text, "  ");
     return text.str();

@@ -1,11 +1,17 @@
 #include "verify/sweep/verify.h"
 
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <exception>
 #include <map>
+#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -54,6 +60,22 @@ class TamperingObserver : public reference::StageObserver {
     std::size_t configuration_;
 };
 
+/// Ends a run from inside: thrown after a launch, and caught where the configuration was begun.
+struct Stopped {};
+
+class StoppingObserver : public reference::StageObserver {
+ public:
+    StoppingObserver(const std::function<bool()>& stop, const std::atomic<bool>& ended)
+        : stop_(stop), ended_(ended) {}
+    void on_stage(const StageView&) override {
+        if (ended_ || (stop_ && stop_())) throw Stopped{};
+    }
+
+ private:
+    const std::function<bool()>& stop_;
+    const std::atomic<bool>& ended_;
+};
+
 bool hits_anything(const Recording& recording) {
     return std::any_of(recording.traversals.begin(), recording.traversals.end(),
                        [](const TraversalRecord& traversal) {
@@ -82,32 +104,114 @@ class SceneVerification {
         const bool whole = is_ours(0);
         if (!whole && ours.empty()) return std::move(report_);
         steps_ = 1 + (whole && settings_.oracles ? 1 : 0) + ours.size();
-        const Recording truth = run_configuration(all.front(), nullptr);
+        report_.left_out = ours.size() + (whole ? 1 : 0);
+        try {
+            run_all(all, ours, whole);
+        } catch (const Stopped&) {  // what was judged until then is reported
+        }
+        report_.seconds = seconds_since(start);
+        return std::move(report_);
+    }
+
+ private:
+    void run_all(const std::vector<Configuration>& all, const std::vector<std::size_t>& ours,
+                 bool whole) {
+        ConfigurationReport baseline;
+        const Recording truth = run_configuration(all.front(), nullptr, 0, baseline);
         if (!hits_anything(truth)) {
             report_.warnings.emplace_back(
                 "no ray hit anything, so hits were not put to the test: does the camera see the "
                 "scene (#camera=fit frames a file's), and have its triangles any area?");
         }
         if (whole) {
+            baseline.unit = settings_.first_unit;
+            report_.configurations.push_back(std::move(baseline));
+            judged();
             if (settings_.oracles) run_oracles(truth);
-        } else {
-            report_.configurations.clear();  // another shard's to report
-        }
-        for (const std::size_t i : ours) {
-            run_configuration(all[i], &truth);
-            report_.configurations.back().unit = settings_.first_unit + i;
-        }
-        if (whole) report_.configurations.front().unit = settings_.first_unit;
-        report_.seconds = seconds_since(start);
-        return std::move(report_);
+            announce();
+        }  // else another shard's to report
+        run_others(all, ours, truth);
     }
 
- private:
+    /// Configurations know nothing of each other: as many at a time as there are threads, so that
+    /// those whose blocks run one by one leave no core idle. Where all memory is watched, or a
+    /// device runs, one at a time.
+    void run_others(const std::vector<Configuration>& all, const std::vector<std::size_t>& ours,
+                    const Recording& truth) {
+        for (const std::size_t i : ours) bvh_of(all[i].parameters);  // which builds are shared
+        const bool one_by_one = settings_.check || settings_.tamper || settings_.backend == "cuda";
+        const std::size_t before = report_.configurations.size();
+        std::vector<std::optional<ConfigurationReport>> done(ours.size());
+        std::exception_ptr thrown;
+        const auto run_one = [&](std::size_t i) {
+            if (ended_) return;
+            try {
+                ConfigurationReport report;
+                run_configuration(all[ours[i]], &truth, ours[i], report);
+                report.unit = settings_.first_unit + ours[i];
+                const std::lock_guard lock(mutex_);
+                done[i] = std::move(report);
+                --report_.left_out;
+                announce(*done[i]);
+            } catch (const Stopped&) {
+                ended_ = true;
+            } catch (...) {
+                const std::lock_guard lock(mutex_);
+                thrown = std::current_exception();
+                ended_ = true;
+            }
+        };
+        if (one_by_one) {
+            for (std::size_t i = 0; i < ours.size(); ++i) run_one(i);
+        } else {
+            tbb::parallel_for(
+                tbb::blocked_range<std::size_t>(0, ours.size(), 1),
+                [&](const tbb::blocked_range<std::size_t>& range) {
+                    // A thread that waits inside a run takes no other run meanwhile.
+                    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+                        tbb::this_task_arena::isolate([&] { run_one(i); });
+                    }
+                },
+                tbb::simple_partitioner());
+        }
+        if (thrown) std::rethrow_exception(thrown);
+        report_.configurations.reserve(before + done.size());
+        for (auto& one : done) {
+            if (one) report_.configurations.push_back(std::move(*one));
+        }
+        if (ended_) throw Stopped{};
+    }
+
+    void judged() {
+        --report_.left_out;
+        announce();
+    }
+
+    /// Says what failed first, once; ends the run where that was asked for.
+    void announce() {
+        if (report_.passed()) return;
+        say_first(report_);
+        if (settings_.fail_fast) throw Stopped{};
+    }
+    void announce(const ConfigurationReport& configuration) {
+        if (configuration.failures.empty()) return;
+        SceneReport alone;
+        alone.scene = report_.scene;
+        alone.configurations = {configuration};
+        say_first(alone);
+        if (settings_.fail_fast) throw Stopped{};
+    }
+    void say_first(const SceneReport& report) {
+        if (std::exchange(announced_, true) || !settings_.on_first_failure) return;
+        settings_.on_first_failure(placed_failures(report).front());
+    }
+
     bool is_ours(std::size_t configuration) const {
         return !settings_.has_unit || settings_.has_unit(settings_.first_unit + configuration);
     }
 
     void begin_step(const std::string& what) {
+        const std::lock_guard lock(mutex_);
         if (settings_.progress) settings_.progress(what, done_, steps_);
         ++done_;
     }
@@ -146,16 +250,14 @@ class SceneVerification {
         return command;
     }
 
-    /// Scene and BVH are copied once for each BVH.
-    const PipelineInput& input_of(const reference::WideBvh& bvh, const PipelineParameters& p) {
-        PipelineInput& input = inputs_[{p.width, p.queue_levels}];
-        if (input.bvh.width == 0) input = {scene_, bvh, p};
-        input.parameters = p;
-        return input;
+    PipelineInput input_of(const reference::WideBvh& bvh, const PipelineParameters& p) const {
+        return {scene_, bvh, p};
     }
 
-    /// Runs, judges every launch, and compares with the baseline where there is one.
-    Recording run_configuration(const Configuration& configuration, const Recording* baseline) {
+    /// Runs, judges every launch, and compares with the baseline where there is one. `index` is the
+    /// configuration's in all_configurations(). May run on several threads at a time.
+    Recording run_configuration(const Configuration& configuration, const Recording* baseline,
+                                std::size_t index, ConfigurationReport& out) {
         begin_step(configuration.label());
         const auto start = Clock::now();
         const PipelineParameters& p = configuration.parameters;
@@ -168,21 +270,23 @@ class SceneVerification {
             scene_, bvh, p,
             {.stage_pattern = settings_.stage_pattern, .written_by = backend.written_by});
         std::optional<EmulatorDiff> emulator;
-        const PipelineInput* input = nullptr;
+        std::optional<PipelineInput> input;
         if (backend.name != "emulator") {
-            input = &input_of(bvh, p);
+            input = input_of(bvh, p);
             emulator.emplace(*input, settings_.threads, backend);
         }
         std::vector<reference::StageObserver*> all{&checker, &recorder};
         if (emulator) all.push_back(&emulator->observer());
+        std::optional<StoppingObserver> stopping;
+        if (settings_.stop || settings_.fail_fast) {
+            all.push_back(&stopping.emplace(settings_.stop, ended_));
+        }
         Observers observers(all);
         std::optional<TamperingObserver> tampering;
         reference::StageObserver* observer = &observers;
         if (settings_.tamper) {
-            observer =
-                &tampering.emplace(observers, settings_.tamper, report_.configurations.size());
+            observer = &tampering.emplace(observers, settings_.tamper, index);
         }
-        ConfigurationReport& out = report_.configurations.emplace_back();
         out.label =
             baseline == nullptr ? "baseline: " + configuration.label() : configuration.label();
         out.replay = replay_of(configuration);
@@ -218,7 +322,7 @@ class SceneVerification {
         if (out.counts.failures == 0 && settings_.stage_pattern.empty()) {
             check_unwatched(bvh, p, backend, recording.image, out);
         }
-        if (settings_.schedules != 0) run_schedules(bvh, p, out);
+        if (settings_.schedules != 0) run_schedules(bvh, p, index, out);
         out.seconds = seconds_since(start);
         return recording;
     }
@@ -246,8 +350,8 @@ class SceneVerification {
     }
 
     void run_schedules(const reference::WideBvh& bvh, const PipelineParameters& p,
-                       ConfigurationReport& out) {
-        const PipelineInput& input = input_of(bvh, p);
+                       std::size_t index, ConfigurationReport& out) {
+        const PipelineInput input = input_of(bvh, p);
         const auto render = [&](const emulation::Schedule& schedule,
                                 reference::StageObserver& observer) {
             const Configuration configuration{p, schedule};
@@ -257,8 +361,7 @@ class SceneVerification {
                 backend.render(input, &observer);
                 return;
             }
-            TamperingObserver tampering(observer, settings_.tamper,
-                                        report_.configurations.size() - 1);
+            TamperingObserver tampering(observer, settings_.tamper, index);
             backend.render(input, &tampering);
         };
         const auto schedules = emulation::seeded_schedules(settings_.schedules);
@@ -313,7 +416,7 @@ class SceneVerification {
         const Configuration baseline = baseline_configuration(settings_.parameters);
         const Backend backend =
             backend_named(settings_.backend, baseline.device(settings_.threads));
-        const PipelineInput& input = input_of(bvh_of(baseline.parameters), baseline.parameters);
+        const PipelineInput input = input_of(bvh_of(baseline.parameters), baseline.parameters);
         const auto trace = [&](std::span<const reference::Ray> rays,
                                std::span<reference::Hit> hits) {
             backend.pipeline(input)->trace(rays, reference::TraversalKind::closest, hits);
@@ -328,9 +431,11 @@ class SceneVerification {
     const VerifySettings& settings_;
     SceneReport report_;
     std::map<std::pair<int, std::uint32_t>, reference::WideBvh> bvhs_;
-    std::map<std::pair<int, std::uint32_t>, PipelineInput> inputs_;
     std::size_t done_ = 0;
     std::size_t steps_ = 0;
+    std::mutex mutex_;  ///< of the report and of progress, while configurations run
+    std::atomic<bool> ended_{false};
+    bool announced_ = false;
 };
 
 }  // namespace

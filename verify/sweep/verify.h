@@ -33,6 +33,12 @@ struct VerifySettings {
     std::uint64_t brute_force_tests = 400'000'000;  ///< see HitCheckSettings
     /// Called before each step: what is being done, steps done, steps in all.
     std::function<void(const std::string& what, std::size_t done, std::size_t total)> progress;
+    /// Called once, as soon as something fails: with the failure that leads in its configuration.
+    std::function<void(const PlacedFailure& first)> on_first_failure;
+    bool fail_fast = false;  ///< nothing more is run after a configuration or an oracle has failed
+    /// Asked after every launch: true ends the run, and the configuration that is under way is not
+    /// reported.
+    std::function<bool()> stop;
     /// For tests of the verification itself: stands between a pipeline and everything that looks
     /// at it, and may show them something else. `configuration` 0 is the baseline.
     using Tamper =

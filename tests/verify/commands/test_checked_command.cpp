@@ -75,6 +75,20 @@ TEST_CASE("check: every order of a captured stage, and one order from a file", "
     CHECK_THAT(given_up.out, Contains("GIVEN UP"));
 }
 
+TEST_CASE("check: a data race found by any command is exit code 1, not an internal error",
+          "[verify][check]") {
+    if (!can_check()) return;
+    const TemporaryFolder folder;
+    const std::string planted =
+        " --size 24x18 --spp 1 --bounces 0 --light-samples 1 --width 8 --backend simt --check "
+        "--plant lost_in_reservation";
+    const Result capture = run_scotty("capture spheres -o '" + folder.file("c") + "'" + planted);
+    INFO(capture.err);
+    CHECK(capture.exit_code == 1);
+    CHECK_THAT(capture.err, Contains("data race on") && Contains("stages until the error"));
+    CHECK(run_scotty("render spheres -o '" + folder.file("a.png") + "'" + planted).exit_code == 1);
+}
+
 TEST_CASE("check: what does not go together is refused", "[verify][check]") {
     const TemporaryFolder folder;
     std::ofstream(folder.file("order")) << "# scotty interleaving, version 1\n";

@@ -71,7 +71,7 @@ TEST_CASE("command: bad usage and bad input exit with 2 and one clear line", "[v
         {"render cornell" + out + " --spp many", "--spp"},
         {"render cornell" + out + " --early-out never", "off, level, immediate"},
         {"render cornell" + out + " --filter blur", "gaussian"},
-        {"render cornell" + out + " --backend abacus", "abacus"},
+        {"render cornell" + out + " --backend abacus", "embree, found 'abacus'"},
         {"render cornell" + out + " --display ::1:80", "IPv6 address stands in brackets"},
         {"render cornell" + out + " --display localhost:tev", "1..65535"},
         {"render cornell" + out + " --progressive --samples-per-pass 0", "--samples-per-pass"},

@@ -2,9 +2,13 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <tuple>
+#include <vector>
 
+#include "tests/verify/browser_tools.h"
 #include "tests/verify/command_tools.h"
 #include "tests/verify/image_tools.h"
 #include "verify/bench/bench_gates.h"
@@ -237,6 +241,36 @@ TEST_CASE("scotty diff: images that cannot be read or do not go with the options
         CHECK(result.exit_code == 2);
         CHECK_THAT(result.err, Contains(expected));
         CHECK(result.out.empty());
+    }
+}
+
+TEST_CASE("scotty diff: --html gives the viewer of verify's page, which passes its own test",
+          "[verify][image][cli][browser]") {
+    const Pair sound;
+    const Pair dark(ImageFault::dark_tile);
+    const Pair silent(ImageFault::none, false);
+    std::map<std::string, std::string> pages;
+    const std::vector<std::tuple<const char*, const Pair*, int>> cases{
+        {"sound", &sound, 0}, {"dark", &dark, 1}, {"silent", &silent, 2}};
+    for (const auto& [name, pair, code] : cases) {
+        const std::string html = pair->folder.file("page.html");
+        const Result result = pair->diff("--html " + html);
+        INFO(result.err);
+        CHECK(result.exit_code == code);
+        pages[name] = slurp(html);
+        CHECK_THAT(pages[name], Contains("id=\"picture\"") && Contains(": scotty diff</title>"));
+    }
+    CHECK_THAT(pages["sound"], Contains("<h1>Passed</h1>"));
+    CHECK_THAT(pages["dark"], Contains("image-"));
+    CHECK_THAT(pages["silent"], Contains("Not all was judged"));
+    if (!browser_is_here()) {
+        if (std::getenv("SCOTTY_REQUIRE_BROWSER") != nullptr) FAIL("chromium is not installed");
+        WARN("not run: chromium is not installed (Debian: chromium)");
+        return;
+    }
+    for (const auto& [name, found] : self_tests(pages)) {
+        INFO(name);
+        CHECK_THAT(found, Contains("selftest: passed"));
     }
 }
 

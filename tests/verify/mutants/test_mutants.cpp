@@ -57,13 +57,14 @@ bool can_plant() {
 /// Faults offered by this program, for as long as this lives.
 class Offered {
  public:
-    explicit Offered(const std::string& run) {
+    explicit Offered(const std::string& run, const std::string& unapplied = "") {
         const nlohmann::json registry = {
             {"faults",
              {{{"name", "some_fault"},
                {"what", "?"},
                {"file", "emulation/kernels/intersect.h"},
                {"run", run},
+               {"unapplied", unapplied},
                {"expect", {{"check", "leaf-hits"}, {"stage", ".*"}}}}}},
             {"hostile", nlohmann::json::array()}};
         offer_planted_faults({registry.dump(), [this](int number) { switched_on = number; }});
@@ -173,6 +174,21 @@ TEST_CASE("mutants: a fault that something else finds fails the command", "[veri
     CHECK(result.out.find("ESCAPED  some_fault") != std::string::npos);
     CHECK(result.out.find("expected to be found by leaf-hits") != std::string::npos);
     CHECK(result.out.find("mutants: 0 of 1 caught") != std::string::npos);
+}
+
+TEST_CASE("mutants: a fault whose text has changed fails the command, and nothing is run of it",
+          "[verify][mutants]") {
+    const Offered offered("verify no-such-scene", "found 0 times in emulation/kernels/intersect.h");
+    const Result result = scotty_here("mutants");
+    CHECK(result.exit_code == kExitFailed);
+    CHECK(result.out.find("GONE     some_fault") != std::string::npos);
+    CHECK(result.out.find("does not apply any more: found 0 times") != std::string::npos);
+    CHECK(result.out.find("1 of them do not apply any more") != std::string::npos);
+    CHECK(result.out.find("no-such-scene") == std::string::npos);
+    CHECK_THROWS_WITH(plant("some_fault", "emulator"),
+                      Catch::Matchers::Contains("some_fault does not apply any more: found 0"));
+    CHECK(scotty_here("mutants --list").exit_code == kExitPassed);
+    CHECK(offered.switched_on == 0);
 }
 
 TEST_CASE("mutants: planting needs a fault's name and the back end that has it",

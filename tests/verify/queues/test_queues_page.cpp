@@ -266,6 +266,9 @@ TEST_CASE("queues page: in a browser it passes its own test, which sees every pl
         {"cut", with_told(queues_page(cut, nullptr, {}), {&cut}, 7)},
         {"short", queues_page(runs.of_b, nullptr, short_of_room)},
         {"array", replaced(diff, data, spoiled)},
+        {"jump", with({{"(k) => k !== this.launch)", "() => true)"},
+                       {"s: () => this.divergeStage(1)", "s: () => this.divergeLaunch(-1)"}})},
+        {"stage", with({{"kernelOf(this.page.launches[k]) !== kernelOf(this.at)", "true"}})},
         {"script", with({{"class PageSelection {", "class PageSelection {{"}})},
         {"drawn",
          with({{"if (this.page.failed(k)) return ink.fault;", ""},
@@ -304,6 +307,8 @@ TEST_CASE("queues page: in a browser it passes its own test, which sees every pl
     fails("told", "entries that are marked");
     fails("told", "invariants that fail");
     fails("told", "and the ray");
+    fails("jump", "s is the next kernel that differs");
+    fails("stage", "s is the next kernel that differs");
 }
 
 /// Not a test: writes pages to look at to the folder that SCOTTY_PAGES names.

@@ -2,11 +2,13 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 #include <pugixml.hpp>
+#include <sstream>
 #include <string>
 
 #include "reference/base/error.h"
 #include "tests/verify/report_pages.h"
 #include "verify/pages/page.h"
+#include "verify/report/failure_groups.h"
 
 namespace {
 
@@ -64,7 +66,59 @@ TEST_CASE("page: of 30 failures all are there, most of them folded", "[verify][p
     failures.assign(30, failures.front());
     const std::string page = to_html(failing);
     CHECK(occurrences(page, "<span class=\"fault\">required-present</span>") == 30);
-    CHECK_THAT(page, Contains("<summary>24 more</summary>"));
+    CHECK_THAT(page, Contains("<summary>29 more of required-present in "
+                              "bounce*/level*/intersect_root</summary>"));
+    CHECK(occurrences(page, "id=\"failure-groups\"") == 1);
+}
+
+TEST_CASE("report: failures are grouped by invariant and stage, with counts", "[verify][report]") {
+    CHECK(stage_family("batch1/bounce12/light0/level3/intersect") ==
+          "bounce*/light*/level*/intersect");
+    CHECK(stage_family("BVH of width 8") == "BVH of width 8");
+    Report failing = failing_report();
+    auto& failures = failing.scenes[1].configurations[1].failures;
+    failures.assign(30, failures.front());
+    failures[7].stage = "bounce1/level0/intersect_root";
+    failing.scenes[0].configurations[0].failures.assign(2, failures[7]);
+    failures[3].invariant = invariant::kNothingExtra;
+    const auto groups = failure_groups(placed_failures(failing));
+    REQUIRE(groups.size() == 3);  // and the image's
+    CHECK(groups[0].members.size() == 31);
+    CHECK(groups[0].stage == "bounce*/level*/intersect_root");
+    CHECK(groups[0].scenes == std::vector<std::string>{"cornell", "spheres"});
+    CHECK(groups[0].configurations == 2);
+    CHECK(groups[1].invariant == invariant::kNothingExtra);
+    const std::string text = table(failing);
+    CHECK_THAT(text, Contains("     31  required-present") && Contains("2 scenes") &&
+                         Contains("first failure: scene cornell"));
+    const auto json = to_json(failing);
+    CHECK(json["failure_groups"].size() == 3);
+    CHECK(json["failure_groups"][0]["count"] == 31);
+    CHECK(json["failure_groups"][1]["first"] == 5);
+}
+
+TEST_CASE("report: tables fit 80 columns, and a name that does not is cut", "[verify][report]") {
+    Report wide = report();
+    wide.scenes[0].scene = "a name that is longer than any column has room for";
+    wide.images[0].name = wide.scenes[0].scene;
+    wide.scenes[1].triangles = 123456789;
+    std::istringstream lines(table(wide));
+    for (std::string line; std::getline(lines, line);) {
+        INFO(line);
+        CHECK(line.size() <= 80);
+    }
+}
+
+TEST_CASE("report: what was stopped has not passed, and says so everywhere", "[verify][report]") {
+    Report stopped = report();
+    CHECK(stopped.passed());
+    stopped.stopped = "Ctrl-C";
+    CHECK_FALSE(stopped.passed());
+    CHECK_THAT(table(stopped), Contains(": STOPPED\n") && Contains("not all was judged: Ctrl-C"));
+    CHECK(to_json(stopped)["stopped"] == "Ctrl-C");
+    CHECK(to_json(stopped)["passed"] == false);
+    CHECK_THAT(to_html(stopped), Contains("Not all was judged"));
+    CHECK_THAT(to_junit(stopped), Contains("name=\"all was judged\"") && Contains("Ctrl-C"));
 }
 
 TEST_CASE("page: a hostile name stays text wherever it stands", "[verify][page]") {

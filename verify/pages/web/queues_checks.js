@@ -52,6 +52,10 @@ class Bar {
     Object.assign(this, { at, page, selection });
     at.next.addEventListener('click', () => selection.diverge(1));
     at.previous.addEventListener('click', () => selection.diverge(-1));
+    for (const [id, by] of [['next', 1], ['previous', -1]]) {
+      at[`${id}-launch`].addEventListener('click', () => selection.divergeLaunch(by));
+      at[`${id}-stage`].addEventListener('click', () => selection.divergeStage(by));
+    }
     at['help-button'].addEventListener('click', () => at.help.showModal());
     this.head();
   }
@@ -78,6 +82,9 @@ class Bar {
       selection.pixel && item('pixel', selection.pixel.join(', '))].filter(Boolean));
     const here = selection.divergence;
     at.next.disabled = at.previous.disabled = page.divergences.length === 0;
+    const failed = page.launches.flatMap((launch, k) => (page.failed(k) && k !== selection.launch ? [launch] : []));
+    at['next-launch'].disabled = at['previous-launch'].disabled = failed.length === 0;
+    at['next-stage'].disabled = at['previous-stage'].disabled = failed.every((launch) => kernelOf(launch) === kernelOf(selection.at));
     const told = page.divergences[here];
     at.said.hidden = !told;
     if (told) {

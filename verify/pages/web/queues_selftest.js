@@ -217,6 +217,37 @@ function testChecks(test, { page, selection }) {
   });
 }
 
+// l and s against what is counted here anew, by keys and by buttons, with the address after each.
+function testJumps(test, { page, selection }) {
+  const bad = page.launches.flatMap((launch, k) => (launch.differs === true || launch.verdict === 'missing'
+    || launch.invariants.a.length + launch.invariants.b.length > 0 ? [k] : []));
+  if (bad.length === 0) return;
+  const kernel = (k) => page.launches[k].name.split('/').pop();
+  const click = (id) => document.getElementById(id).click();
+  selection.select({ launch: bad[0], node: null, ray: null });
+  const another = bad.length > 1 ? bad[1] : bad[0];
+  press('l');
+  test.equal('l is the next launch that differs', selection.launch, another);
+  test.equal('and the address says so', addressHas('launch'), String(page.launches[another].launch));
+  press('L');
+  test.equal('L is the one before', selection.launch, bad[0]);
+  click('next-launch');
+  test.equal('the button is l', selection.launch, another);
+  click('previous-launch');
+  const next = bad.find((k) => kernel(k) !== kernel(bad[0]));
+  press('s');
+  test.equal('s is the next kernel that differs', selection.launch, next ?? bad[0]);
+  if (next !== undefined) {
+    test.equal('and the address has its launch', addressHas('launch'), String(page.launches[next].launch));
+    selection.select({ launch: bad[0], node: null, ray: null });
+    click('next-stage');
+    test.equal('the button is s', selection.launch, next);
+    press('S');
+    test.equal('S goes back to another kernel', kernel(selection.launch) !== kernel(next), true);
+  }
+  selection.select({ launch: 0, node: null, ray: null });
+}
+
 function testKeys(test, { page, selection }) {
   selection.select({ launch: 0, node: null, ray: null });
   press('ArrowRight');
@@ -234,6 +265,7 @@ function testKeys(test, { page, selection }) {
     press('N');
     test.equal('N goes back', selection.divergence, 0);
   }
+  testJumps(test, { page, selection });
   if (page.runs.b) {
     const { side } = selection;
     press('b');

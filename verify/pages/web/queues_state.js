@@ -3,6 +3,9 @@
 
 const asWhole = (text) => (/^\d+$/.test(text ?? '') ? Number(text) : null);
 
+// "intersect" of "bounce0/level2/intersect".
+const kernelOf = (launch) => launch.name.slice(launch.name.lastIndexOf('/') + 1);
+
 class PageSelection {
   constructor(page, changed) {
     this.page = page;
@@ -128,16 +131,36 @@ class PageSelection {
     if (next >= 0) next = (next + by + all.length) % all.length;
     else if (by > 0) next = Math.max(0, all.findIndex((d) => d.launch > this.launch));
     else next = all.length - 1 - Math.max(0, [...all].reverse().findIndex((d) => d.launch < this.launch));
-    const { launch, node, ray, side } = all[next];
+    this.tell(next);
+  }
+  tell(index) {
+    const { launch, node, ray, side } = this.page.divergences[index];
     this.launch = launch; // a ray is of the launch's batch
-    this.told = { index: next };
+    this.told = { index };
     this.select({ launch, node: node ?? this.node, ray: ray ?? this.ray, side: side === 'b' ? 'b' : this.side });
   }
+
+  // The next launch that failed, or the next of another kernel: of a thousand divergences most are of one launch. Round at
+  // the ends, as n goes; its first divergence is told where it has one.
+  nextFailed(by, isWanted) {
+    const { page } = this;
+    const count = page.launches.length;
+    for (let i = 1; i <= count; ++i) {
+      const k = (this.launch + by * i + i * count) % count;
+      if (!page.failed(k) || !isWanted(k)) continue;
+      const index = page.divergences.findIndex((d) => d.launch === k);
+      if (index >= 0) this.tell(index); else this.select({ launch: k });
+      return;
+    }
+  }
+  divergeLaunch(by) { this.nextFailed(by, (k) => k !== this.launch); }
+  divergeStage(by) { this.nextFailed(by, (k) => kernelOf(this.page.launches[k]) !== kernelOf(this.at)); }
 
   key(event) {
     if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest?.('dialog')) return;
     if (event.key.startsWith('Arrow') && event.target.closest?.('input')) return; // arrows also move in a choice
-    const acts = { n: () => this.diverge(1), N: () => this.diverge(-1), ArrowLeft: () => this.step(-1), ArrowRight: () => this.step(1),
+    const acts = { n: () => this.diverge(1), N: () => this.diverge(-1), l: () => this.divergeLaunch(1), L: () => this.divergeLaunch(-1),
+      s: () => this.divergeStage(1), S: () => this.divergeStage(-1), ArrowLeft: () => this.step(-1), ArrowRight: () => this.step(1),
       ArrowUp: () => this.up(), ArrowDown: () => this.down(), '[': () => this.sideways(-1), ']': () => this.sideways(1),
       j: () => this.entry(1), k: () => this.entry(-1), b: () => this.page.runs.b && this.select({ side: this.side === 'a' ? 'b' : 'a' }, false),
       x: () => this.select({ float: this.float === 'hex' ? 'decimal' : 'hex' }, false), '?': () => document.getElementById('help').showModal() };
