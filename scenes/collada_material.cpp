@@ -6,6 +6,7 @@
 
 #include "scenes/collada_parts.h"
 #include "scenes/file_scene.h"
+#include "scenes/material_mapping.h"
 
 namespace scotty::scenes {
 
@@ -208,9 +209,14 @@ Material read_material(const ColladaDocument& document, pugi::xml_node material,
         result.reflectance = tint(
             child_colour(document, extra, extra.child("albedo") ? "albedo" : "reflectance"), notes);
     } else if (kind == "mirror") {
-        result.kind = MaterialKind::mirror;
-        result.reflectance = tint(child_colour(document, extra, "reflectance"), notes);
-        note_roughness(document, extra, notes);
+        const Vec3 colour = tint(child_colour(document, extra, "reflectance"), notes);
+        const double roughness = document.number(extra.child("roughness"), 0.0);
+        if (!(roughness >= 0.0 && roughness <= 1.0)) {
+            throw document.error(extra,
+                                 fmt::format("roughness: expected 0 to 1, found {}", roughness));
+        }
+        result =
+            material_from_metallic_roughness(colour, 1.0f, static_cast<float>(roughness), notes);
     } else if (kind == "glass") {
         result.kind = MaterialKind::glass;
         result.reflectance = tint(child_colour(document, extra, "reflectance"), notes);

@@ -6,6 +6,7 @@
 
 #include "reference/base/error.h"
 #include "scenes/file_scene.h"
+#include "scenes/material_mapping.h"
 #include "scenes/obj_library_names.h"
 #include "scenes/obj_lines.h"
 #include "scenes/parse_number.h"
@@ -76,7 +77,11 @@ class LibraryReader {
         } else if (key.substr(0, 4) == "map_" ||
                    is_one_of(key, {"bump", "disp", "decal", "refl", "norm"})) {
             ++material_.textures;
-        } else if (is_one_of(key, {"pr", "pm", "ps", "pc", "pcr", "aniso", "anisor"})) {
+        } else if (key == "pm") {
+            material_.metallic = share();
+        } else if (key == "pr") {
+            material_.roughness = share();
+        } else if (is_one_of(key, {"ps", "pc", "pcr", "aniso", "anisor"})) {
             ++material_.extensions;
         } else if (!is_one_of(key, {"ka", "ns", "km", "sharpness"})) {
             notes_.add("a statement of a material library that is not known: left out");
@@ -118,6 +123,12 @@ class LibraryReader {
         if (value) return *value;
         lines_.fail(fmt::format("{}: expected a finite number, found '{}'", lines_.key(),
                                 shown(lines_.rest())));
+    }
+
+    float share() const {
+        const float value = number();
+        if (value < 0.0f || value > 1.0f) notes_.add("Pm or Pr beyond 0 to 1: clamped");
+        return std::clamp(value, 0.0f, 1.0f);
     }
 
     int illumination() const {
@@ -174,7 +185,7 @@ void note_losses_of_diffuse(const ObjMaterial& source, Notes& notes) {
 
 Material from_obj(const ObjMaterial& source, Notes& notes) {
     notes.add("a texture is not supported: the plain colour is used", source.textures);
-    notes.add("physically based extensions of MTL (Pr, Pm, ...) are not supported: left out",
+    notes.add("physically based extensions of MTL (Ps, Pc, ...) are not supported: left out",
               source.extensions);
     Material material;
     material.emission = positive(source.emission);
@@ -189,8 +200,11 @@ Material from_obj(const ObjMaterial& source, Notes& notes) {
         material.reflectance = reflected_share(white_where_black(source.specular), notes);
     } else {
         if (!source.diffuse) notes.add("a material without Kd: grey 0.5");
-        material.reflectance =
+        const Vec3 colour =
             reflected_share(source.diffuse.value_or(Vec3(kDefaultReflectance)), notes);
+        material = material_from_metallic_roughness(colour, source.metallic.value_or(0.0f),
+                                                    source.roughness.value_or(1.0f), notes);
+        material.emission = positive(source.emission);
         note_losses_of_diffuse(source, notes);
     }
     return material;

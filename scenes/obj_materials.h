@@ -22,13 +22,16 @@ struct ObjMaterial {
     reference::Vec3 emission{0.0f};          ///< Ke
     std::optional<float> refraction;         ///< Ni
     std::optional<float> opacity;            ///< d, or 1 - Tr
+    std::optional<float> metallic;           ///< Pm
+    std::optional<float> roughness;          ///< Pr
     int illumination = -1;                   ///< illum
     std::size_t textures = 0;                ///< statements that name an image
-    std::size_t extensions = 0;              ///< of physically based shading: Pr, Pm, ...
+    std::size_t extensions = 0;              ///< of physically based shading: Ps, Pc, ...
 };
 
-/// Materials as they are rendered: illum 3 and 5 are mirrors, 4, 6 and 7 glass, the rest is
-/// diffuse; emission is kept. Notes what is left out.
+/// Materials as they are rendered: illum 3 and 5 are mirrors, 4, 6 and 7 glass; else Pm and Pr
+/// make it a rough metal (material_mapping.h), or it is diffuse; emission is kept. Notes what is
+/// left out.
 reference::Material from_obj(const ObjMaterial& source, Notes& notes);
 
 class ObjMaterials {

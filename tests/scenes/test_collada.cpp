@@ -207,6 +207,16 @@ TEST_CASE("collada: material extras", "[scenes][collada]") {
         CHECK(material.kind == MaterialKind::mirror);
         CHECK(material.reflectance == Vec3(0.3f, 0.4f, 0.5f));
     }
+    SECTION("rough mirror") {
+        text.extra =
+            "<mirror><reflectance>0.3 0.4 0.5</reflectance><roughness>0.25</roughness></mirror>";
+        const auto material = load(text).materials[0];
+        CHECK(material.kind == MaterialKind::conductor);
+        CHECK(material.ior == 0.25f);
+        CHECK(material.reflectance == Vec3(0.3f, 0.4f, 0.5f));
+        text.extra = tests::replaced(text.extra, "0.25", "-1");
+        CHECK_THROWS_WITH(load(text), Contains("roughness: expected 0 to 1, found -1"));
+    }
     SECTION("glass") {
         text.extra =
             "<glass><reflectance>1 1 1</reflectance><transmittance>1 0.75 0.5"

@@ -338,6 +338,14 @@ TEST_CASE("obj: statements of a material library", "[scenes][obj]") {
     CHECK(material("illum 7\n").ior == 1.5f);
     CHECK(material("illum 9\n").kind == MaterialKind::diffuse);
     CHECK_THAT(warnings, Contains("illumination models 8 to 10"));
+    CHECK(material("Kd .9 .8 .7\nPm 1\nPr .25\n").kind == MaterialKind::conductor);
+    CHECK(material("Kd .9 .8 .7\nPm 1\nPr .25\n").ior == 0.25f);
+    CHECK(material("Kd .9 .8 .7\nPm 1\nPr .25\n").reflectance == Vec3(.9f, .8f, .7f));
+    CHECK(material("Pm 1\nPr 0\n").kind == MaterialKind::mirror);
+    CHECK(material("Pm 1\n").ior == 1.0f);
+    CHECK(material("Ke 1 2 3\nPm 1\n").emission == Vec3(1, 2, 3));
+    CHECK(material("Pr .5\n").kind == MaterialKind::diffuse);
+    CHECK_THAT(warnings, Contains("gloss on what is no metal"));
     for (const char* opacity : {"d 0.5\n", "d -halo 0.5\n", "Tr 0.5\n", "d 0.2\nTr 0\n"}) {
         material(opacity);
         CHECK_THAT(warnings, Contains("partial opacity"));
@@ -351,7 +359,7 @@ TEST_CASE("obj: statements of a material library", "[scenes][obj]") {
         material(texture);
         CHECK_THAT(warnings, Contains("a texture is not supported"));
     }
-    material("Pm 1\n");
+    material("Ps 1\n");
     CHECK_THAT(warnings, Contains("physically based"));
     material("blub 1\n");
     CHECK_THAT(warnings, Contains("not known"));
