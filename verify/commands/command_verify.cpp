@@ -31,6 +31,7 @@ namespace {
 
 struct VerifyOptions {
     std::vector<std::string> scenes;
+    bool all_scenes = false;  ///< none was named
     VerifySettings settings;
     BackendChoice backend;
     ReportOutputs outputs;
@@ -38,6 +39,8 @@ struct VerifyOptions {
     bool require_gpu = false;
     bool no_golden = false;
     bool only_golden = false;
+    bool quick = false;
+    bool thorough = false;
     std::string golden;
     std::string shard;
     std::string command_line;
@@ -46,8 +49,16 @@ struct VerifyOptions {
     /// exact tier would take minutes for what its comparison with the emulator says bit by bit.
     bool asks_golden() const {
         if (only_golden) return true;
-        return !no_golden && backend.name != "simt" && !settings.filter.restricts() &&
+        return !no_golden && !quick && backend.name != "simt" && !settings.filter.restricts() &&
                settings.stage_pattern.empty();
+    }
+    /// The cases bring their own scenes and pictures.
+    bool asks_cases() const {
+        return all_scenes && !only_golden && !settings.filter.restricts() &&
+               settings.stage_pattern.empty();
+    }
+    Budget budget() const {
+        return quick ? Budget::quick : thorough ? Budget::thorough : Budget::standard;
     }
 };
 
@@ -64,7 +75,10 @@ nlohmann::ordered_json sweep_of(const VerifyOptions& options,
                                  {"brute_force", settings.brute_force_tests},
                                  {"schedules", settings.schedules},
                                  {"golden", options.asks_golden()},
-                                 {"only_golden", options.only_golden}};
+                                 {"only_golden", options.only_golden},
+                                 {"quick", options.quick},
+                                 {"thorough", options.thorough},
+                                 {"cases", options.asks_cases()}};
     for (const Configuration& configuration : all_configurations(settings)) {
         sweep["configurations"].push_back(configuration.options());
     }
@@ -115,6 +129,20 @@ void judge_golden_files(const VerifyOptions& options, GoldenSettings golden, Rep
                  report.images.size(), report.false_alarm);
 }
 
+SceneReport run_cases(const VerifyOptions& options, const std::vector<Case>& cases) {
+    VerifySettings settings = options.settings;
+    settings.first_unit = 0;
+    Progress progress;
+    settings.progress = [&](const std::string& what, std::size_t done, std::size_t total) {
+        progress.show(fmt::format("case {} of {}: {}", done + 1, total, what));
+    };
+    SceneReport report = verify_cases(cases, settings);
+    progress.clear();
+    spdlog::info("{} cases, {} rays, {:.1f} s: {}", report.configurations.size(), report.rays(),
+                 report.seconds, report.passed() ? "passed" : "FAILED");
+    return report;
+}
+
 int run_verify(VerifyOptions& options) {
     const auto start = std::chrono::steady_clock::now();
     const auto seconds = [&] {
@@ -127,7 +155,10 @@ int run_verify(VerifyOptions& options) {
     options.settings.check = options.backend.check;
     options.settings.plant = options.backend.plant;
     reference::validate(options.settings.parameters);
+    if (options.thorough) options.settings.filter.strength = 3;
+    if (options.quick && !options.settings.filter.restricts()) options.settings.only.emplace();
     configurations(options.settings.parameters, options.settings.filter);
+    options.all_scenes = options.scenes.empty();
     if (options.scenes.empty()) {
         for (const auto& scene : scenes::built_in_scenes()) options.scenes.push_back(scene.name);
     }
@@ -139,10 +170,13 @@ int run_verify(VerifyOptions& options) {
     std::vector<reference::Scene> loaded;
     for (const std::string& scene : options.scenes) loaded.push_back(scenes::load_scene(scene));
 
-    // Runs are numbered over the whole sweep, scene after scene, then the golden images.
+    // Runs are numbered over the whole sweep: cases, scene after scene, then the golden images.
     const Shard shard = parse_shard(options.shard);
+    CaseList cases;
+    if (options.asks_cases()) cases = covering_cases(options.budget());
     const std::size_t each = options.only_golden ? 0 : units_of_scene(options.settings);
-    const std::size_t first_golden = each * loaded.size();
+    const std::size_t first_scene = cases.cases.size();
+    const std::size_t first_golden = first_scene + each * loaded.size();
     const std::size_t units =
         first_golden +
         (options.asks_golden() ? units_of_golden(golden_settings(options, first_golden)) : 0);
@@ -157,12 +191,17 @@ int run_verify(VerifyOptions& options) {
                          : static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
     report.backend = options.settings.backend;
     report.command = options.command_line;
+    if (!cases.cases.empty()) {
+        SceneReport found = run_cases(options, cases.cases);
+        report.coverage = std::move(cases.coverage);
+        if (!found.configurations.empty()) report.scenes.push_back(std::move(found));
+    }
     for (std::size_t i = 0; i < loaded.size() && !options.only_golden; ++i) {
         const auto warn = [&](const std::string& warning) {
             spdlog::warn("{}: {}", options.scenes[i], warning);
         };
         std::for_each(loaded[i].warnings.begin(), loaded[i].warnings.end(), warn);
-        options.settings.first_unit = i * each;
+        options.settings.first_unit = first_scene + i * each;
         Progress progress;
         options.settings.progress = [&](const std::string& what, std::size_t done,
                                         std::size_t total) {
@@ -212,7 +251,10 @@ void add_verify_command(CLI::App& app, Action& action, const std::string& comman
         "Check every launch, every hit and the image, in many configurations of the pipeline.");
     command->footer(
         "Examples:\n"
-        "  scotty verify                                all built-in scenes, all pairs of values\n"
+        "  scotty verify                                all pairs of values: on small scenes of "
+        "all\n"
+        "                                               parameters, on the built-in scenes\n"
+        "  scotty verify --quick                        what catches most, in seconds\n"
         "  scotty verify coil --width 8,16 --early-out level\n"
         "                                               all combinations of these, pairs of the "
         "rest\n"
@@ -282,6 +324,17 @@ void add_verify_command(CLI::App& app, Action& action, const std::string& comman
             },
             "smooth the image at the end, and check that [none]")
         ->type_name("none|gaussian|bilateral|median");
+    command
+        ->add_option("--filter-threshold", options->settings.parameters.filter_threshold,
+                     "filter only below so many samples a pixel")
+        ->capture_default_str();
+    auto* quick = command->add_flag(
+        "--quick", options->quick,
+        "the cases that hold most pairs of values, of each scene the baseline, no golden images");
+    command
+        ->add_flag("--thorough", options->thorough,
+                   "all triples of values where all pairs are run otherwise; minutes")
+        ->excludes(quick);
     add_shard_option(*command, options->shard);
     add_thread_option(*command, options->settings.threads);
     add_picture_options(*command, options->settings.parameters);

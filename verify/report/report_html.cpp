@@ -151,6 +151,9 @@ std::string verdict_part(const Report& report, std::size_t failures) {
     out += fmt::format("<p class=\"quiet\">{}{}, {}, {:.1f} s</p>\n",
                        report.scenes.empty() ? "" : parameters, html_text(report.backend),
                        counted(report.threads, "thread"), report.seconds);
+    if (report.coverage) {
+        out += fmt::format("<p class=\"quiet\">{}</p>\n", html_text(to_text(*report.coverage)));
+    }
     out += command(report.command, "verify all of this again");
     out += "<nav aria-label=\"On this page\">";
     if (failures != 0) out += R"(<a href="#failures">Failures</a>)";
