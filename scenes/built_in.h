@@ -22,6 +22,8 @@ extern const Generator kFurnace;
 extern const Generator kVeil;
 extern const Generator kSlivers;
 extern const Generator kMetals;
+/// Found by its name, but not among those that are listed and verified one by one (probe.h).
+extern const Generator kProbe;
 
 /// The Cornell box that several scenes stand in: x and z from -1 to 1, y from 0 to 2, open at
 /// z = 1 where the camera looks in; a square lamp a centimetre under the ceiling.

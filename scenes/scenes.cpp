@@ -30,7 +30,7 @@ const Generator* find_generator(const std::string& name) {
     for (const Generator* generator : generators()) {
         if (name == generator->name) return generator;
     }
-    return nullptr;
+    return name == kProbe.name ? &kProbe : nullptr;
 }
 
 std::string lower_extension(const std::string& path) {

@@ -18,7 +18,7 @@
 namespace scotty::reference {
 namespace {
 
-constexpr int kMaxLeafSize = 64;
+constexpr int kMaxLeafSize = 1024;
 
 /// The shape of the wide BVH before its nodes are written: by breadth-first id.
 struct Shape {

@@ -52,7 +52,7 @@ struct PipelineParameters {
 
     int width = 8;            ///< children a node: 2, 4, 8 or 16
     int rays_per_block = 64;  ///< threads a block: 32..1024, a multiple of 32
-    int max_leaf_size = 4;    ///< triangles a leaf, 1..64
+    int max_leaf_size = 4;    ///< triangles a leaf, 1..1024
     /// Levels of the BVH that have queues, 1..64; below them each ray goes on depth first. 0: all.
     std::uint32_t queue_levels = 0;
     EarlyOut early_out = EarlyOut::level;

@@ -37,7 +37,7 @@ Recorder::Recorder(const reference::PipelineParameters& parameters, Recording& r
 
 bool Recorder::wants(StageKind kind) const {
     return kind == StageKind::primary_rays || kind == StageKind::merge_intersections ||
-           kind == StageKind::reconstruct_image;
+           kind == StageKind::reconstruct_image || kind == StageKind::filter;
 }
 
 TraversalRecord& Recorder::record_of(std::uint32_t bounce, std::uint32_t light) {
@@ -77,6 +77,11 @@ void Recorder::on_stage(const StageView& stage) {
         for (std::size_t i = 0; i < radiance.size(); ++i) {
             recording_.radiance[path_of_[i]] = radiance[i];
         }
+        const auto image = stage.get<Vec3>("image");
+        recording_.reconstructed.assign(image.begin(), image.end());
+    } else if (stage.kind == StageKind::filter) {
+        const auto filtered = stage.get<Vec3>("filtered");
+        recording_.filtered.assign(filtered.begin(), filtered.end());
     }
 }
 

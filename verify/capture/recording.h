@@ -30,6 +30,9 @@ struct Recording {
     std::vector<TraversalRecord> traversals;  ///< in the order in which they ran
     std::vector<reference::Vec3> radiance;
     reference::Image image;
+    /// What the last reconstruct_image and the filter have shown; empty where none was.
+    std::vector<reference::Vec3> reconstructed;
+    std::vector<reference::Vec3> filtered;
 
     /// Rays traced, without the dead.
     std::uint64_t living_rays() const;

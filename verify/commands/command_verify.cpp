@@ -35,6 +35,7 @@ namespace {
 
 struct VerifyOptions {
     std::vector<std::string> scenes;
+    bool all_scenes = false;  ///< none was named
     VerifySettings settings;
     BackendChoice backend;
     ReportOutputs outputs;
@@ -42,6 +43,8 @@ struct VerifyOptions {
     bool require_gpu = false;
     bool no_golden = false;
     bool only_golden = false;
+    bool quick = false;
+    bool thorough = false;
     std::string golden;
     std::string shard;
     std::string command_line;
@@ -59,8 +62,16 @@ struct VerifyOptions {
     /// exact tier would take minutes for what its comparison with the emulator says bit by bit.
     bool asks_golden() const {
         if (only_golden) return true;
-        return !no_golden && backend.name != "simt" && !settings.filter.restricts() &&
+        return !no_golden && !quick && backend.name != "simt" && !settings.filter.restricts() &&
                settings.stage_pattern.empty();
+    }
+    /// The cases bring their own scenes and pictures.
+    bool asks_cases() const {
+        return all_scenes && !only_golden && !settings.filter.restricts() &&
+               settings.stage_pattern.empty();
+    }
+    Budget budget() const {
+        return quick ? Budget::quick : thorough ? Budget::thorough : Budget::standard;
     }
 };
 
@@ -77,7 +88,10 @@ nlohmann::ordered_json sweep_of(const VerifyOptions& options,
                                  {"brute_force", settings.brute_force_tests},
                                  {"schedules", settings.schedules},
                                  {"golden", options.asks_golden()},
-                                 {"only_golden", options.only_golden}};
+                                 {"only_golden", options.only_golden},
+                                 {"quick", options.quick},
+                                 {"thorough", options.thorough},
+                                 {"cases", options.asks_cases()}};
     for (const Configuration& configuration : all_configurations(settings)) {
         sweep["configurations"].push_back(configuration.options());
     }
@@ -147,6 +161,24 @@ void judge_golden_files(VerifyOptions& options, GoldenSettings golden, Report& r
                  report.images.size(), report.false_alarm);
 }
 
+SceneReport run_cases(VerifyOptions& options, const std::vector<Case>& cases) {
+    VerifySettings settings = options.settings;
+    settings.first_unit = 0;
+    Progress progress;
+    settings.progress = [&](const std::string& what, std::size_t done, std::size_t total) {
+        progress.show(fmt::format("case {} of {}: {}", done + 1, total, what));
+    };
+    settings.on_first_failure = [&](const PlacedFailure& first) {
+        progress.clear();
+        options.announce(first);
+    };
+    SceneReport report = verify_cases(cases, settings);
+    progress.clear();
+    spdlog::info("{} cases, {} rays, {:.1f} s: {}", report.configurations.size(), report.rays(),
+                 report.seconds, report.passed() ? "passed" : "FAILED");
+    return report;
+}
+
 int run_verify(VerifyOptions& options) {
     const auto start = std::chrono::steady_clock::now();
     const auto seconds = [&] {
@@ -159,8 +191,11 @@ int run_verify(VerifyOptions& options) {
     options.settings.check = options.backend.check;
     options.settings.plant = options.backend.plant;
     reference::validate(options.settings.parameters);
+    if (options.thorough) options.settings.filter.strength = 3;
+    if (options.quick && !options.settings.filter.restricts()) options.settings.only.emplace();
     configurations(options.settings.parameters, options.settings.filter);
     const bool all_built_in = options.scenes.empty();
+    options.all_scenes = all_built_in;
     if (all_built_in) {
         for (const auto& scene : scenes::built_in_scenes()) options.scenes.push_back(scene.name);
     }
@@ -178,14 +213,17 @@ int run_verify(VerifyOptions& options) {
         for (std::size_t i = 0; i < loaded.size(); ++i) options.scenes[i] = loaded[i].source;
     }
 
-    // Runs are numbered over the whole sweep, scene after scene, then the golden images.
+    // Runs are numbered over the whole sweep: cases, scene after scene, then the golden images.
     const Shard shard = parse_shard(options.shard);
+    CaseList cases;
+    if (options.asks_cases()) cases = covering_cases(options.budget());
     if (options.asks_golden() && options.golden.empty() &&
         units_of_golden(golden_settings(options, 0)) != 0) {
         options.golden = find_golden_folder().string();  // where there is none: before all the work
     }
     const std::size_t each = options.only_golden ? 0 : units_of_scene(options.settings);
-    const std::size_t first_golden = each * loaded.size();
+    const std::size_t first_scene = cases.cases.size();
+    const std::size_t first_golden = first_scene + each * loaded.size();
     const std::size_t units =
         first_golden +
         (options.asks_golden() ? units_of_golden(golden_settings(options, first_golden)) : 0);
@@ -203,13 +241,21 @@ int run_verify(VerifyOptions& options) {
     const StopSignals signals;
     options.signals = &signals;
     options.settings.stop = [&] { return signals.received() != 0; };
+    if (!cases.cases.empty()) {
+        SceneReport found = run_cases(options, cases.cases);
+        report.coverage = std::move(cases.coverage);
+        if (found.left_out != 0 || (options.settings.fail_fast && !found.passed())) {
+            note_stop(options, found.left_out, report);
+        }
+        if (!found.configurations.empty()) report.scenes.push_back(std::move(found));
+    }
     for (std::size_t i = 0; i < loaded.size() && !options.only_golden && report.stopped.empty();
          ++i) {
         const auto warn = [&](const std::string& warning) {
             spdlog::warn("{}: {}", options.scenes[i], warning);
         };
         std::for_each(loaded[i].warnings.begin(), loaded[i].warnings.end(), warn);
-        options.settings.first_unit = i * each;
+        options.settings.first_unit = first_scene + i * each;
         Progress progress;
         options.settings.progress = [&](const std::string& what, std::size_t done,
                                         std::size_t total) {
@@ -269,7 +315,10 @@ void add_verify_command(CLI::App& app, Action& action, const std::string& comman
         "Check every launch, every hit and the image, in many configurations of the pipeline.");
     command->footer(
         "Examples:\n"
-        "  scotty verify                                all built-in scenes, all pairs of values\n"
+        "  scotty verify                                all pairs of values: on small scenes of "
+        "all\n"
+        "                                               parameters, on the built-in scenes\n"
+        "  scotty verify --quick                        what catches most, in seconds\n"
         "  scotty verify coil --width 8,16 --early-out level\n"
         "                                               all combinations of these, pairs of the "
         "rest\n"
@@ -343,6 +392,17 @@ void add_verify_command(CLI::App& app, Action& action, const std::string& comman
             },
             "smooth the image at the end, and check that [none]")
         ->type_name("none|gaussian|bilateral|median");
+    command
+        ->add_option("--filter-threshold", options->settings.parameters.filter_threshold,
+                     "filter only below so many samples a pixel")
+        ->capture_default_str();
+    auto* quick = command->add_flag(
+        "--quick", options->quick,
+        "the cases that hold most pairs of values, of each scene the baseline, no golden images");
+    command
+        ->add_flag("--thorough", options->thorough,
+                   "all triples of values where all pairs are run otherwise; minutes")
+        ->excludes(quick);
     add_shard_option(*command, options->shard);
     add_thread_option(*command, options->settings.threads);
     add_picture_options(*command, options->settings.parameters);

@@ -153,6 +153,8 @@ void add_filter_options(CLI::App& command, ConfigurationFilter& filter) {
              "hit slots a ray at first", "1..65536");
     add_list(command, "--batch-rays", filter.batch_rays, count("--batch-rays"),
              "rays in flight at once", "N,...");
+    add_list(command, "--samples-per-pass", filter.samples_per_pass, count("--samples-per-pass"),
+             "samples that every pixel gets before any gets its next ones, 0: all", "0,N,...");
     add_list(command, "--schedule", filter.schedule, emulation::parse_schedule,
              "order of blocks and threads, on the CPU", "free,linear,...");
     command.add_flag("--all", filter.all, "every combination, not only all pairs of values")

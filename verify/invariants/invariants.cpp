@@ -11,6 +11,19 @@ namespace scotty::verify {
 using reference::StageKind;
 using reference::StageView;
 
+InvariantCounts& InvariantCounts::operator+=(const InvariantCounts& other) {
+    stages += other.stages;
+    entries += other.entries;
+    pushes += other.pushes;
+    missed += other.missed;
+    culled += other.culled;
+    leaf_hits += other.leaf_hits;
+    non_finite += other.non_finite;
+    failures += other.failures;
+    retries += other.retries;
+    return *this;
+}
+
 InvariantChecker::InvariantChecker(const reference::Scene& scene, const reference::WideBvh& bvh,
                                    const reference::PipelineParameters& parameters,
                                    InvariantSettings settings)

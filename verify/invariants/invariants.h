@@ -41,6 +41,8 @@ struct InvariantCounts {
     std::uint64_t non_finite = 0;  ///< values; each is a failure
     std::uint64_t failures = 0;
     std::uint64_t retries = 0;  ///< traversals run again because a buffer had to grow
+
+    InvariantCounts& operator+=(const InvariantCounts& other);
 };
 
 class InvariantChecker : public reference::StageObserver {

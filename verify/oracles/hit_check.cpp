@@ -159,6 +159,29 @@ class Check {
 
 }  // namespace
 
+HitCheckResult& HitCheckResult::operator+=(const HitCheckResult& other) {
+    traversals += other.traversals;
+    rays += other.rays;
+    brute_force_rays += other.brute_force_rays;
+    embree_rays += other.embree_rays;
+    occlusion_rays += other.occlusion_rays;
+    ties += other.ties;
+    grazing += other.grazing;
+    embree_wrong += other.embree_wrong;
+    ours_wrong += other.ours_wrong;
+    excused.clear();
+    failures.insert(failures.end(), other.failures.begin(), other.failures.end());
+    return *this;
+}
+
+ImageCheckResult& ImageCheckResult::operator+=(const ImageCheckResult& other) {
+    pixels += other.pixels;
+    identical += other.identical;
+    excused += other.excused;
+    failures.insert(failures.end(), other.failures.begin(), other.failures.end());
+    return *this;
+}
+
 HitCheckResult check_hits(const reference::Scene& scene, const Recording& recording,
                           const reference::EmbreeTracer& embree, std::uint32_t spp,
                           const HitCheckSettings& settings) {

@@ -34,6 +34,9 @@ struct HitCheckResult {
     /// differ.
     std::vector<bool> excused;
     std::vector<Failure> failures;  ///< at most 20; the first leads
+
+    /// Numbers and failures of both; paths of two runs have nothing to do with each other.
+    HitCheckResult& operator+=(const HitCheckResult& other);
 };
 
 /// Brute force: hits are equal bit for bit. Embree: the same primitive, or an adjudicated
@@ -47,6 +50,8 @@ struct ImageCheckResult {
     std::uint64_t identical = 0;
     std::uint64_t excused = 0;  ///< different, with an excused path in the pixel
     std::vector<Failure> failures;
+
+    ImageCheckResult& operator+=(const ImageCheckResult& other);
 };
 
 /// Compares pixels bit for bit, except those of an excused path.

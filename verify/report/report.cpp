@@ -228,6 +228,7 @@ std::string table(const Report& report) {
             report.backend, stages.all(), stages.identical, stages.reordered, stages.within_bounds,
             stages.differ);
     }
+    if (report.coverage) out += to_text(*report.coverage) + "\n";
     out += schedules_and_checks(report);
     if (report.mutants) out += score(*report.mutants);
     const auto failures = placed_failures(report);
@@ -349,6 +350,7 @@ nlohmann::json to_json(const Report& report) {
             {"failure_groups", groups},
             {"stopped", report.stopped},
             {"scenes", scenes},
+            {"coverage", report.coverage ? to_json(*report.coverage) : nlohmann::json(nullptr)},
             {"checked", report.checked},
             {"relaxed_reads", relaxed},
             {"false_alarm", report.false_alarm},

@@ -11,6 +11,7 @@
 #include "verify/capture/failure.h"
 #include "verify/invariants/invariants.h"
 #include "verify/oracles/hit_check.h"
+#include "verify/report/coverage.h"
 #include "verify/report/mutant_report.h"
 #include "verify/report/report_images.h"
 
@@ -70,7 +71,8 @@ struct Report {
     std::string backend = "emulator";
     std::string command;  ///< as given
     std::vector<SceneReport> scenes;
-    std::vector<ImageCase> images;  ///< against their golden images
+    std::optional<Coverage> coverage;  ///< of the cases, where they were run
+    std::vector<ImageCase> images;     ///< against their golden images
     /// What is wrong with the golden files themselves: missing, stale, corrupted, waivers that have
     /// expired. `stage` names the case.
     std::vector<Failure> golden_failures;

@@ -39,6 +39,8 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ImageVerdict, gates, metrics, worst)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ImageCase, name, unit, image, golden, verdict, exact, waived, z,
                                    replay, approve)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RelaxedRead, line, met)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CoverageFactor, name, values)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Coverage, cases, pairs, all_pairs, triples, all_triples, factors)
 
 namespace {
 
@@ -90,6 +92,7 @@ json part_json(const ReportPart& part) {
                 {"relaxed_reads", report.relaxed_reads},
                 {"false_alarm", report.false_alarm},
                 {"seconds", report.seconds}};
+    if (report.coverage) out["coverage"] = *report.coverage;
     name_numbers(out);
     return out;
 }
@@ -116,6 +119,7 @@ ReportPart read_part(const fs::path& path, json object) {
         report.backend = object.at("backend");
         report.command = object.at("command");
         report.scenes = object.at("scenes").get<std::vector<SceneReport>>();
+        if (object.contains("coverage")) report.coverage = object["coverage"].get<Coverage>();
         report.images = object.at("images").get<std::vector<ImageCase>>();
         report.golden_failures = object.at("golden_failures").get<std::vector<Failure>>();
         report.unjudged_units = object.at("unjudged_units").get<std::vector<std::size_t>>();

@@ -204,6 +204,9 @@ std::string verdict_part(const Report& report, std::size_t failures) {
         out += fmt::format("<p class=\"fault\">Not all was judged: {}.</p>\n",
                            html_text(report.stopped));
     }
+    if (report.coverage) {
+        out += fmt::format("<p class=\"quiet\">{}</p>\n", html_text(to_text(*report.coverage)));
+    }
     out += command(report.command, "verify all of this again");
     out += "<nav aria-label=\"On this page\">";
     if (failures != 0) out += R"(<a href="#failures">Failures</a>)";

@@ -36,9 +36,10 @@ void add_scene(Report& report, const SceneReport& scene) {
     add_new(same->bvh_failures, scene.bvh_failures);
     if (scene.oracles_ran) {
         same->oracles_ran = true;
-        same->hits = scene.hits;
-        same->image = scene.image;
-        same->oracle_seconds = scene.oracle_seconds;
+        same->hits += scene.hits;
+        same->image += scene.image;
+        same->oracle_seconds += scene.oracle_seconds;
+        same->triangles = std::max(same->triangles, scene.triangles);
     }
     same->seconds += scene.seconds;
 }

@@ -2,13 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <functional>
 #include <set>
 #include <utility>
 
 #include "reference/base/error.h"
+#include "verify/sweep/covering_array.h"
 
 namespace scotty::verify {
 
@@ -53,7 +52,7 @@ std::vector<Factor> factors_of(const PipelineParameters& base, const Configurati
         factor<int>(filter.rays_per_block, {64, 32, 256, 1024},
                     [](Configuration& c, int v) { c.parameters.rays_per_block = v; }),
         factor<std::uint32_t>(
-            filter.queue_levels, {0, 2},
+            filter.queue_levels, {0, 2, 1, 3},
             [](Configuration& c, std::uint32_t v) { c.parameters.queue_levels = v; }),
         factor<EarlyOut>(filter.early_out, {EarlyOut::level, EarlyOut::off, EarlyOut::immediate},
                          [](Configuration& c, EarlyOut v) { c.parameters.early_out = v; }),
@@ -69,58 +68,12 @@ std::vector<Factor> factors_of(const PipelineParameters& base, const Configurati
         factor<std::uint32_t>(
             filter.batch_rays, {base.batch_rays},
             [](Configuration& c, std::uint32_t v) { c.parameters.batch_rays = v; }),
+        factor<std::uint32_t>(
+            filter.samples_per_pass, {base.samples_per_pass},
+            [](Configuration& c, std::uint32_t v) { c.parameters.samples_per_pass = v; }),
         factor<Schedule>(filter.schedule, schedules,
                          [](Configuration& c, Schedule v) { c.schedule = v; })};
 }
-
-/// Every combination: the last factor runs fastest.
-std::vector<std::vector<std::size_t>> product_rows(const std::vector<std::size_t>& sizes) {
-    std::vector<std::vector<std::size_t>> rows{{}};
-    for (const std::size_t size : sizes) {
-        std::vector<std::vector<std::size_t>> longer;
-        longer.reserve(rows.size() * size);
-        for (const auto& row : rows) {
-            for (std::size_t value = 0; value < size; ++value) {
-                longer.push_back(row);
-                longer.back().push_back(value);
-            }
-        }
-        rows = std::move(longer);
-    }
-    return rows;
-}
-
-/// The pairs of values that no row holds yet.
-class Uncovered {
-    using Pair = std::array<std::size_t, 4>;  ///< factor, value, later factor, value
-
- public:
-    explicit Uncovered(const std::vector<std::size_t>& sizes) {
-        for (std::size_t f = 0; f < sizes.size(); ++f) {
-            for (std::size_t g = f + 1; g < sizes.size(); ++g) {
-                for (std::size_t i = 0; i < sizes[f]; ++i) {
-                    for (std::size_t j = 0; j < sizes[g]; ++j) pairs_.insert(Pair{f, i, g, j});
-                }
-            }
-        }
-    }
-    bool empty() const { return pairs_.empty(); }
-    bool contains(std::size_t f, std::size_t i, std::size_t g, std::size_t j) const {
-        return pairs_.contains(f < g ? Pair{f, i, g, j} : Pair{g, j, f, i});
-    }
-    std::pair<std::size_t, std::size_t> first_left() const {
-        return {(*pairs_.begin())[0], (*pairs_.begin())[1]};
-    }
-    void cover(const std::vector<std::size_t>& row) {
-        for (std::size_t f = 0; f < row.size(); ++f) {
-            for (std::size_t g = f + 1; g < row.size(); ++g)
-                pairs_.erase(Pair{f, row[f], g, row[g]});
-        }
-    }
-
- private:
-    std::set<Pair> pairs_;
-};
 
 }  // namespace
 
@@ -143,9 +96,11 @@ std::string Configuration::label() const {
 }
 
 std::string picture_options(const PipelineParameters& p) {
+    const std::string roulette = p.roulette == 0 ? "" : fmt::format(" --roulette {}", p.roulette);
     return fmt::format(
-        "--size {}x{} --spp {} --bounces {} --light-samples {} --seed {} --leaf-size {}",
-        p.image_width, p.image_height, p.spp, p.bounces, p.light_samples, p.seed, p.max_leaf_size);
+        "--size {}x{} --spp {} --bounces {} --light-samples {}{} --seed {} --leaf-size {}",
+        p.image_width, p.image_height, p.spp, p.bounces, p.light_samples, roulette, p.seed,
+        p.max_leaf_size);
 }
 
 std::string pipeline_options(const PipelineParameters& p) {
@@ -157,7 +112,12 @@ std::string pipeline_options(const PipelineParameters& p) {
 }
 
 std::string Configuration::options() const {
-    return fmt::format("{} --schedule {}", pipeline_options(parameters), to_string(schedule));
+    const std::string passes =
+        parameters.samples_per_pass == 0
+            ? ""
+            : fmt::format(" --samples-per-pass {}", parameters.samples_per_pass);
+    return fmt::format("{}{} --schedule {}", pipeline_options(parameters), passes,
+                       to_string(schedule));
 }
 
 Configuration baseline_configuration(const PipelineParameters& base) {
@@ -168,44 +128,8 @@ Configuration baseline_configuration(const PipelineParameters& base) {
     configuration.parameters.hit_mode = HitMode::buffer;
     configuration.parameters.block_order = BlockOrder::linear;
     configuration.parameters.shadow_query = ShadowQuery::closest;
+    configuration.parameters.samples_per_pass = 0;
     return configuration;
-}
-
-std::vector<std::vector<std::size_t>> covering_rows(const std::vector<std::size_t>& sizes) {
-    if (sizes.size() < 2) return product_rows(sizes);  // no pairs: every value
-    constexpr std::size_t kOpen = ~std::size_t{0};
-    // Largest factors first: their pairs decide how many rows there are.
-    std::vector<std::size_t> order(sizes.size());
-    for (std::size_t f = 0; f < sizes.size(); ++f) order[f] = f;
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return sizes[a] > sizes[b]; });
-    Uncovered uncovered(sizes);
-    std::vector<std::vector<std::size_t>> rows;
-    while (!uncovered.empty()) {
-        std::vector<std::size_t> row(sizes.size(), kOpen);
-        const auto [first_factor, first_value] = uncovered.first_left();
-        row[first_factor] = first_value;
-        for (const std::size_t f : order) {
-            if (row[f] != kOpen) continue;
-            std::size_t best = 0;
-            std::size_t most = 0;
-            for (std::size_t value = 0; value < sizes[f]; ++value) {
-                std::size_t gain = 0;
-                for (std::size_t g = 0; g < sizes.size(); ++g) {
-                    if (row[g] == kOpen) continue;
-                    gain += uncovered.contains(f, value, g, row[g]) ? 1 : 0;
-                }
-                if (gain > most) {
-                    most = gain;
-                    best = value;
-                }
-            }
-            row[f] = best;
-        }
-        uncovered.cover(row);
-        rows.push_back(std::move(row));
-    }
-    return rows;
 }
 
 std::vector<Configuration> configurations(const PipelineParameters& base,
@@ -219,7 +143,8 @@ std::vector<Configuration> configurations(const PipelineParameters& base,
         (factors[f].asked ? asked : free).push_back(f);
         (factors[f].asked ? asked_sizes : free_sizes).push_back(factors[f].values.size());
     }
-    const auto free_rows = filter.all ? product_rows(free_sizes) : covering_rows(free_sizes);
+    const auto free_rows =
+        filter.all ? product_rows(free_sizes) : covering_rows(free_sizes, filter.strength);
     std::vector<Configuration> out;
     std::set<std::string> seen;
     const auto add = [&](Configuration configuration) {

@@ -39,14 +39,16 @@ struct ConfigurationFilter {
     std::vector<reference::ShadowQuery> shadow_query;
     std::vector<std::uint32_t> hit_capacity;
     std::vector<std::uint32_t> batch_rays;
+    std::vector<std::uint32_t> samples_per_pass;
     std::vector<Schedule> schedule;
-    bool all = false;  ///< every combination of what is not restricted, too
+    bool all = false;          ///< every combination of what is not restricted, too
+    std::size_t strength = 2;  ///< or how many of these factors meet in all their values: 2 or 3
 
     bool restricts() const {
         return !(widths.empty() && rays_per_block.empty() && queue_levels.empty() &&
                  early_out.empty() && hit_mode.empty() && block_order.empty() &&
                  shadow_query.empty() && hit_capacity.empty() && batch_rays.empty() &&
-                 schedule.empty());
+                 samples_per_pass.empty() && schedule.empty());
     }
 };
 
@@ -58,9 +60,5 @@ Configuration baseline_configuration(const reference::PipelineParameters& base);
 /// small odd batches. Image, seed and the like are `base`'s. Validated; no duplicates.
 std::vector<Configuration> configurations(const reference::PipelineParameters& base,
                                           const ConfigurationFilter& filter);
-
-/// Rows of value indices, one entry a factor (sizes[f] values), such that every pair of values of
-/// two factors stands in some row. Greedy, deterministic; near the least number.
-std::vector<std::vector<std::size_t>> covering_rows(const std::vector<std::size_t>& sizes);
 
 }  // namespace scotty::verify

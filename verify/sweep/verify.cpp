@@ -21,9 +21,11 @@
 #include "reference/truth/tracers.h"
 #include "verify/backends/backend.h"
 #include "verify/base/ask.h"
+#include "verify/base/same_bits.h"
 #include "verify/capture/pipeline_input.h"
 #include "verify/capture/recording.h"
 #include "verify/oracles/interval_check.h"
+#include "verify/oracles/trace_check.h"
 #include "verify/schedules/schedule_check.h"
 #include "verify/sweep/emulator_diff.h"
 
@@ -238,12 +240,13 @@ class SceneVerification {
             fmt::format("scotty verify {} {} {}",
                         shell_word(scene_.source.empty() ? scene_.name : scene_.source),
                         picture_options(p), configuration.options());
+        if (p.filter != reference::Filter::none) {
+            command += fmt::format(" --filter {} --filter-threshold {}",
+                                   reference::to_string(p.filter), p.filter_threshold);
+        }
         if (settings_.backend != "emulator") command += " --backend " + settings_.backend;
         if (settings_.check) command += " --check";
         if (!settings_.plant.empty()) command += " --plant " + settings_.plant;
-        if (p.filter != reference::Filter::none) {
-            command += fmt::format(" --filter {}", reference::to_string(p.filter));
-        }
         if (settings_.threads != 0) command += fmt::format(" --threads {}", settings_.threads);
         if (settings_.schedules != 0)
             command += fmt::format(" --schedules {}", settings_.schedules);
@@ -319,8 +322,10 @@ class SceneVerification {
                 ++out.counts.failures;
             }
         }
+        if (settings_.stage_pattern.empty()) check_handed_out(recording, p, out);
         if (out.counts.failures == 0 && settings_.stage_pattern.empty()) {
             check_unwatched(bvh, p, backend, recording.image, out);
+            if (settings_.oracles) trace_rays(bvh, p, backend, recording, out);
         }
         if (settings_.schedules != 0) run_schedules(bvh, p, index, out);
         out.seconds = seconds_since(start);
@@ -347,6 +352,58 @@ class SceneVerification {
         failure.stage = "render";
         out.failures.push_back(std::move(failure));
         ++out.counts.failures;
+    }
+
+    /// A filter runs where it is asked for and there are few samples; the image that is handed out
+    /// is what the last launch has made.
+    static void check_handed_out(const Recording& recording, const PipelineParameters& p,
+                                 ConfigurationReport& out) {
+        Failure failure;
+        failure.stage = "render";
+        const bool asked = p.filter != reference::Filter::none && p.spp < p.filter_threshold;
+        const bool ran = !recording.filtered.empty();
+        const std::vector<reference::Vec3>& shown =
+            ran ? recording.filtered : recording.reconstructed;
+        if (asked != ran) {
+            failure.invariant = invariant::kFilter;
+            failure.field = "filtered";
+            failure.expected = asked ? "a filtered image" : "none";
+            failure.found = ran ? "a filtered image" : "none";
+            failure.sentence = fmt::format(
+                "with {} samples a pixel the {} filter {} (it does below {})", p.spp,
+                reference::to_string(p.filter), ran ? "ran" : "did not run", p.filter_threshold);
+        } else if (shown.size() != recording.image.pixels.size() ||
+                   !std::equal(shown.begin(), shown.end(), recording.image.pixels.begin(),
+                               [](const auto& a, const auto& b) { return same_bits(a, b); })) {
+            failure.invariant = invariant::kPixels;
+            failure.field = "image";
+            failure.sentence = "the image that is handed out is not what the last launch has made";
+        } else {
+            return;
+        }
+        out.failures.push_back(std::move(failure));
+        ++out.counts.failures;
+    }
+
+    /// Rays from elsewhere, and rays of this very run, through the same configuration.
+    void trace_rays(const reference::WideBvh& bvh, const PipelineParameters& p,
+                    const Backend& backend, const Recording& recording, ConfigurationReport& out) {
+        const PipelineInput& input = input_of(bvh, p);
+        TraceCheckSettings settings;
+        settings.seed = p.seed + report_.configurations.size();
+        settings.any_is_closest = p.early_out == reference::EarlyOut::off;
+        settings.brute_force_tests =
+            std::min(settings.brute_force_tests, settings_.brute_force_tests);
+        // One pipeline for all queries: what an earlier batch leaves behind must not matter.
+        const auto pipeline = backend.pipeline(input);
+        const auto trace = [&](std::span<const reference::Ray> rays, reference::TraversalKind kind,
+                               std::span<reference::Hit> hits) {
+            pipeline->trace(rays, kind, hits);
+        };
+        for (Failure& failure : check_traces(scene_, recording, trace, settings)) {
+            out.failures.push_back(std::move(failure));
+            ++out.counts.failures;
+        }
     }
 
     void run_schedules(const reference::WideBvh& bvh, const PipelineParameters& p,
@@ -399,13 +456,13 @@ class SceneVerification {
         // watches its launches.
         const bool sound = report_.configurations.front().failures.empty();
         if (sound && settings_.stage_pattern.empty()) run_interval_check(truth);
-        const bool whole =
-            truth.image.pixels.size() ==
-            std::size_t{settings_.parameters.image_width} * settings_.parameters.image_height;
         const PipelineParameters& p = settings_.parameters;
-        if (whole && settings_.stage_pattern.empty() && p.filter == reference::Filter::none) {
+        // Before a filter: the same paths, added up in the same order.
+        const reference::Image image{p.image_width, p.image_height, truth.reconstructed};
+        const bool whole = image.pixels.size() == std::size_t{p.image_width} * p.image_height;
+        if (whole && settings_.stage_pattern.empty()) {
             report_.image = check_image(
-                truth.image, reference::render_with_embree(scene_, p, embree, settings_.threads),
+                image, reference::render_with_embree(scene_, p, embree, settings_.threads),
                 report_.hits.excused, spp);
         }
         report_.oracles_ran = true;
@@ -452,6 +509,10 @@ PipelineParameters default_verify_parameters() {
 
 std::vector<Configuration> all_configurations(const VerifySettings& settings) {
     std::vector<Configuration> all{baseline_configuration(settings.parameters)};
+    if (settings.only) {
+        all.insert(all.end(), settings.only->begin(), settings.only->end());
+        return all;
+    }
     for (const Configuration& c : configurations(settings.parameters, settings.filter)) {
         if (c.options() != all.front().options()) all.push_back(c);
     }

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "reference/contract/scene.h"
 #include "reference/contract/stage_observer.h"
 #include "verify/report/report.h"
+#include "verify/sweep/cases.h"
 #include "verify/sweep/configurations.h"
 
 namespace scotty::verify {
@@ -16,6 +18,8 @@ struct VerifySettings {
     /// What all configurations share: image, samples, bounces, seed, leaf size.
     reference::PipelineParameters parameters;
     ConfigurationFilter filter;
+    /// Where there is a value: run these beside the baseline, and not what the filter selects.
+    std::optional<std::vector<Configuration>> only;
     std::size_t threads = 0;  ///< 0: all of the machine
     /// Who runs all configurations. Any but the emulator is compared with it besides, launch by
     /// launch.
@@ -58,5 +62,10 @@ std::size_t units_of_scene(const VerifySettings& settings);
 
 /// Never throws for a failed check: those are in the report.
 SceneReport verify_scene(const reference::Scene& scene, const VerifySettings& settings);
+
+/// Each case against the baseline of its own picture, and that against the oracles. One
+/// configuration in the report a case: its counts are of both runs. `settings` says how they run;
+/// its picture and its filter do not count.
+SceneReport verify_cases(const std::vector<Case>& cases, const VerifySettings& settings);
 
 }  // namespace scotty::verify

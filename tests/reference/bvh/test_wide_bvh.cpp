@@ -181,7 +181,7 @@ TEST_CASE("wide bvh: parameters out of range are named", "[reference][bvh]") {
                       Contains("BVH width") && Contains("found 3"));
     CHECK_THROWS_WITH(build_wide_bvh(scene, parameters(8, 0)),
                       Contains("leaf size") && Contains("found 0"));
-    CHECK_THROWS_WITH(build_wide_bvh(scene, parameters(8, 65)), Contains("found 65"));
+    CHECK_THROWS_WITH(build_wide_bvh(scene, parameters(8, 1025)), Contains("found 1025"));
     Scene empty;
     empty.name = "nothing.obj";
     CHECK_THROWS_WITH(build_wide_bvh(empty, parameters(8, 4)),

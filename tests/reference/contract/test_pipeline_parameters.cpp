@@ -45,7 +45,7 @@ TEST_CASE("parameters: what is out of range is named with its value and what is 
     CHECK_THAT(complaint_about([](auto& p) { p.spp = 0; }), Contains("samples per pixel"));
     CHECK_THAT(complaint_about([](auto& p) { p.bounces = 65; }), Contains("bounces"));
     CHECK_THAT(complaint_about([](auto& p) { p.light_samples = 65; }), Contains("light samples"));
-    CHECK_THAT(complaint_about([](auto& p) { p.max_leaf_size = 65; }),
+    CHECK_THAT(complaint_about([](auto& p) { p.max_leaf_size = 1025; }),
                Contains("triangles per leaf"));
     CHECK_THAT(complaint_about([](auto& p) { p.hit_capacity = 0; }), Contains("hit capacity"));
     CHECK_THAT(complaint_about([](auto& p) { p.batch_rays = 0; }), Contains("rays per batch"));

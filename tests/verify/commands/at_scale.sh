@@ -67,4 +67,19 @@ for part in 1 2; do
     "$scotty" "${sweep[@]}" --stage 'nosuch*' --shard $part/2 --json "$out/stage$part.json" >/dev/null 2>&1
 done
 refused "no stage's name matches" "$out"/stage{1,2}.json
+
+# The cases of the covering array come in parts, too.
+cases=(verify --quick --brute-force 1000000 --threads 1)
+"$scotty" "${cases[@]}" --json "$out/cases.json" >/dev/null 2>&1
+seq 2 | xargs -P 2 -I {} "$scotty" "${cases[@]}" --shard {}/2 --json "$out/cases{}.json" >/dev/null 2>&1
+"$scotty" report "$out"/cases{1,2}.json --json "$out/cases_joined.json" >/dev/null 2>&1
+python3 - "$out" <<'TEXT'
+import json, sys
+whole, joined = (json.load(open(f"{sys.argv[1]}/{name}.json")) for name in ("cases", "cases_joined"))
+assert whole["coverage"] == joined["coverage"] and whole["coverage"]["cases"] == 40, "the cases are not what they should be"
+for report in whole, joined:
+    scene = report["scenes"][0]
+    assert report["passed"] and scene["scene"] == "cases" and len(scene["configurations"]) == 40
+assert whole["scenes"][0]["hits"] == joined["scenes"][0]["hits"], "oracles of the parts do not add up"
+TEXT
 echo "whole and joined say the same"

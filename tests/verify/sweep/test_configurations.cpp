@@ -8,6 +8,7 @@
 
 #include "reference/base/error.h"
 #include "verify/sweep/configurations.h"
+#include "verify/sweep/covering_array.h"
 
 namespace {
 
@@ -106,7 +107,7 @@ TEST_CASE("configurations: with every parameter given there is exactly one",
 TEST_CASE("configurations: with --all, every combination", "[verify][configurations]") {
     ConfigurationFilter filter;
     filter.all = true;
-    CHECK(configurations(PipelineParameters{}, filter).size() == 4u * 4 * 2 * 3 * 2 * 2 * 2 + 1);
+    CHECK(configurations(PipelineParameters{}, filter).size() == 4u * 4 * 4 * 3 * 2 * 2 * 2 + 1);
 }
 
 TEST_CASE("configurations: a value that no pipeline takes is refused", "[verify][configurations]") {
