@@ -137,9 +137,10 @@ TEST_CASE("help: fits 80 columns and speaks no CLI11, for every command", "[veri
         bool options = true;
         for (std::string line; std::getline(lines, line);) {
             options &= !line.starts_with("Examples:");
+            const bool is_command = line.starts_with("  scotty");
             INFO("scotty help " << name << ": " << line);
             // Commands to be pasted are not broken.
-            if (options) CHECK(line.size() <= 80);
+            if (options && !is_command) CHECK(line.size() <= 80);
             for (const char* raw :
                  {"{false}", "UINT", " in [", "Excludes:", "Needs:", "REQUIRED"}) {
                 CHECK(line.find(raw) == std::string::npos);
@@ -238,6 +239,7 @@ TEST_CASE("scratch: a folder goes with its object, and with the process that a s
     CHECK_FALSE(fs::exists(kept));
     const pid_t child = fork();
     if (child == 0) {
+        std::signal(SIGTERM, SIG_DFL);  // Catch2 has a handler of its own
         const ScratchFolder folder;
         fs::create_directories(folder.path() / "inside");
         std::raise(SIGTERM);
