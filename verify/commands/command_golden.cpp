@@ -26,6 +26,7 @@ struct GoldenOptions {
     std::string reason;
     std::size_t threads = 0;
     bool json = false;
+    bool ledger_only = false;
 
     fs::path golden_folder() const {
         return golden.empty() ? find_golden_folder() : fs::path(golden);
@@ -92,13 +93,15 @@ int run_propose(const GoldenOptions& options) {
     settings.golden = options.golden_folder();
     settings.output = options.output_folder();
     settings.threads = options.threads;
+    settings.ledger_only = options.ledger_only;
     settings.commit = commit_of(settings.golden);
     settings.progress = [&](const std::string& what, std::uint64_t done, std::uint64_t total) {
         progress.show(fmt::format("{}: {} of {}", what, done, total));
     };
     std::vector<Proposal> proposals;
     for (const GoldenCase& golden : chosen) {
-        settings.command = "scotty golden propose " + golden.name;
+        settings.command =
+            "scotty golden propose " + golden.name + (options.ledger_only ? " --ledger-only" : "");
         proposals.push_back(propose_golden(golden, settings));
     }
     progress.clear();
@@ -143,6 +146,7 @@ void add_golden_command(CLI::App& app, Action& action) {
         "Examples:\n"
         "  scotty golden check\n"
         "  scotty golden propose coil              (minutes; goes on where it was interrupted)\n"
+        "  scotty golden propose --ledger-only     (seconds)\n"
         "  scotty golden approve coil --reason \"the coil has more turns now\"\n\n"
         "Only approve writes to golden/, and only the files of the case that it names.\n"
         "Exit code 1 where check finds something.");
@@ -158,6 +162,8 @@ void add_golden_command(CLI::App& app, Action& action) {
     propose->add_option("case", options->names, "which [all]");
     propose->add_option("-o,--output", options->output,
                         "where to [the folder golden of the build tree]");
+    propose->add_flag("--ledger-only", options->ledger_only,
+                      "keep the golden images: a stage or a buffer has changed, and no picture");
     add_thread_option(*propose, options->threads);
     propose->callback([&action, options] { action = [options] { return run_propose(*options); }; });
 

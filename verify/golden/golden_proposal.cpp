@@ -48,8 +48,22 @@ void expect_outside(const fs::path& output, const fs::path& golden) {
                            "lies in the golden folder, where only approve writes; name another");
 }
 
+/// Throws bad_input where there is no golden image to keep.
+void keep_image(const GoldenCase& golden, const ProposalSettings& settings) {
+    const fs::path from = settings.golden / image_path(golden.name);
+    const fs::path to = settings.output / image_path(golden.name);
+    make_folder(to.parent_path());
+    std::error_code error;
+    fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
+    if (error) {
+        throw Error::bad_input(from.string(), "cannot be kept: " + error.message() +
+                                                  "; without --ledger-only it is rendered");
+    }
+}
+
 void propose_image(const GoldenCase& golden, const reference::Scene& scene,
                    const ProposalSettings& settings) {
+    if (settings.ledger_only) return keep_image(golden, settings);
     const ordered_json made_for = settings_of(golden, scene);
     const std::string text = made_for.dump();
     reference::PathTracerOptions options;

@@ -16,8 +16,9 @@ struct ProposalSettings {
     std::filesystem::path golden;  ///< what is compared with; never written
     std::filesystem::path output;  ///< made where it is missing; not inside `golden`
     std::size_t threads = 0;       ///< 0: all
-    std::string command;           ///< as given, for the manifest
-    std::string commit;            ///< of the source tree, for the manifest
+    bool ledger_only = false;  ///< the image stays the golden one: a stage or buffer has changed
+    std::string command;       ///< as given, for the manifest
+    std::string commit;        ///< of the source tree, for the manifest
     /// What is being done, and how far the samples are.
     std::function<void(const std::string& what, std::uint64_t done, std::uint64_t total)> progress;
 };

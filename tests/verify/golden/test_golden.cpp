@@ -232,6 +232,25 @@ TEST_CASE("golden propose: the same case gives the same bytes", "[verify][golden
     CHECK(contents(store.proposals) == first);
 }
 
+TEST_CASE("golden propose: --ledger-only keeps the image, and asks for one that is there",
+          "[verify][golden]") {
+    const FullStore store;
+    const GoldenCase changed = [] {
+        GoldenCase golden = cases()[0];
+        golden.image.seed = 99;  // would be another image
+        return golden;
+    }();
+    ProposalSettings settings = store.settings();
+    settings.ledger_only = true;
+    const Proposal proposal = propose_golden(changed, settings);
+    CHECK(proposal.image == Proposal::Change::unchanged);
+    CHECK(proposal.ledger == Proposal::Change::unchanged);
+    CHECK(slurp(store.proposals / "images" / (changed.name + ".exr")) ==
+          slurp(store.golden / "images" / (changed.name + ".exr")));
+    fs::remove(store.golden / "images" / (changed.name + ".exr"));
+    CHECK_THROWS_WITH(propose_golden(changed, settings), Contains("without --ledger-only"));
+}
+
 TEST_CASE("golden approve: only the files and the entry of its case change", "[verify][golden]") {
     const FullStore store;
     std::vector<GoldenCase> list = cases();
