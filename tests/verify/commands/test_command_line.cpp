@@ -224,7 +224,7 @@ TEST_CASE("render: an EXR has its variance and says where it comes from, and is 
           "[verify][cli]") {
     const Folder folder;
     const std::string file = folder.file("picture.exr");
-    const std::string golden = std::string(SCOTTY_SOURCE_DIR) + "/golden/images/slivers.exr";
+    const std::string golden = "golden/images/slivers.exr";
     for (const char* how : {"--backend emulator", "--backend embree", "--backend simt",
                             "--backend emulator --batch-rays 1000 --progressive"}) {
         INFO(how);
