@@ -195,8 +195,7 @@ std::string schedules_and_checks(const Report& report) {
 
 std::string table(const Report& report) {
     const auto row = [](const auto&... cells) {
-        return fmt::format("{:<12} {:>9} {:>4} {:>9} {:>5} {:>7} {:>5} {:>6} {:>7}  {}\n",
-                           cells...);
+        return fmt::format("{:<12} {:>9} {:>4} {:>9} {:>5} {:>7} {:>5} {:>6} {:>7} {}\n", cells...);
     };
     std::string out = row("scene", "triangles", "runs", "rays", "brute", "Embree", "E.bad",
                           "pixels", "seconds", "verdict");

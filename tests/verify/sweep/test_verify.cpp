@@ -210,4 +210,64 @@ TEST_CASE("report: a file that cannot be written is named, and none is left half
     std::filesystem::remove_all(folder);
 }
 
+TEST_CASE("verify: the first failure is told at once, once, and --fail-fast ends there",
+          "[verify][sweep]") {
+    const Scene scene = scenes::load_scene("cornell");
+    VerifySettings settings = quick();
+    settings.oracles = false;
+    const std::size_t all = verify::all_configurations(settings).size();
+    REQUIRE(all > 3);
+    settings.tamper = lose_a_ray("bounce0/level0/intersect_root", 1);
+    std::vector<verify::PlacedFailure> told;
+    settings.on_first_failure = [&](const verify::PlacedFailure& first) { told.push_back(first); };
+    const SceneReport whole = verify::verify_scene(scene, settings);
+    CHECK(whole.configurations.size() == all);
+    CHECK(whole.left_out == 0);
+    REQUIRE(told.size() == 1);
+    CHECK(told[0].scene == "cornell");
+    CHECK(told[0].configuration == whole.configurations[1].label);
+    CHECK(told[0].failure.stage == "bounce0/level0/intersect_root");
+    CHECK_THAT(told[0].replay, Contains("--stage 'bounce0/level0/intersect_root'"));
+
+    told.clear();
+    settings.fail_fast = true;
+    const SceneReport ended = verify::verify_scene(scene, settings);
+    CHECK(told.size() == 1);
+    CHECK(ended.configurations.size() == 2);
+    CHECK(ended.left_out == all - 2);
+    CHECK_FALSE(ended.passed());
+}
+
+TEST_CASE("verify: what asks to stop is asked after every launch; what was judged is reported",
+          "[verify][sweep]") {
+    const Scene scene = scenes::load_scene("cornell");
+    VerifySettings settings = quick();
+    settings.oracles = false;
+    settings.threads = 1;
+    const std::size_t all = verify::all_configurations(settings).size();
+    std::size_t asked = 0;
+    settings.stop = [&] { return ++asked > 30; };
+    const SceneReport report = verify::verify_scene(scene, settings);
+    CHECK(report.configurations.size() < all);
+    CHECK(report.configurations.size() + report.left_out == all);
+    for (const auto& one : report.configurations) CHECK(one.counts.stages > 0);
+}
+
+TEST_CASE("verify: configurations that run at a time say what they say one by one",
+          "[verify][sweep]") {
+    const Scene scene = scenes::load_scene("furnace");
+    VerifySettings settings = quick();
+    settings.filter.schedule = {emulation::parse_schedule("linear")};
+    const SceneReport together = verify::verify_scene(scene, settings);
+    settings.threads = 1;
+    const SceneReport alone = verify::verify_scene(scene, settings);
+    REQUIRE(together.configurations.size() == alone.configurations.size());
+    for (std::size_t i = 0; i < alone.configurations.size(); ++i) {
+        CHECK(together.configurations[i].label == alone.configurations[i].label);
+        CHECK(together.configurations[i].counts.pushes == alone.configurations[i].counts.pushes);
+        CHECK(together.configurations[i].rays == alone.configurations[i].rays);
+    }
+    CHECK(together.passed());
+}
+
 }  // namespace

@@ -135,7 +135,6 @@ class PageSelection {
   }
   tell(index) {
     const { launch, node, ray, side } = this.page.divergences[index];
-    this.launch = launch; // a ray is of the launch's batch
     this.told = { index };
     this.select({ launch, node: node ?? this.node, ray: ray ?? this.ray, side: side === 'b' ? 'b' : this.side });
   }
