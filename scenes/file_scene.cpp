@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reference/base/error.h"
 #include "scenes/affine.h"
 #include "scenes/mesh.h"
 
@@ -222,6 +223,12 @@ void settle_camera(Scene& scene, const std::optional<Camera>& own, CameraChoice 
     if (own && choice != CameraChoice::fit) {
         scene.camera = *own;
         return;
+    }
+    if (choice == CameraChoice::file) {
+        throw reference::Error::bad_input(
+            scene.name,
+            "has no camera, and #camera=file asks for the file's own; without it one is "
+            "placed that frames the whole scene");
     }
     // From the front, a little from above and the right.
     const Camera standard =

@@ -154,7 +154,7 @@ class ColladaLoader {
     /// rely on that (their own positions look out from floor height).
     CameraChoice settled(CameraChoice choice) {
         if (choice != CameraChoice::automatic) return choice;
-        if (!camera_ || !document_.made_for_scotty3d()) return CameraChoice::file;
+        if (!camera_ || !document_.made_for_scotty3d()) return choice;
         notes_.add(
             "the camera frames the scene, as Scotty3D does with such files: "
             "#camera=file takes the file's own position");

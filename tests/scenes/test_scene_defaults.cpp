@@ -10,6 +10,7 @@
 #include "tests/scenes/temporary_files.h"
 
 using namespace scotty;
+using Catch::Matchers::Contains;
 using reference::Camera;
 using reference::LightKind;
 using reference::Scene;
@@ -75,6 +76,14 @@ TEST_CASE("defaults: a fitted camera frames the scene at any scale", "[scenes][d
         scenes::settle_camera(scene, {}, scenes::CameraChoice::automatic, notes);
         CHECK(reach(scene) == Approx(reference_reach).epsilon(1e-3));
     }
+}
+
+TEST_CASE("defaults: no camera is placed where the file's own was asked for",
+          "[scenes][defaults]") {
+    reference::Scene scene = scenes::load_scene("cornell");
+    scenes::Notes notes;
+    CHECK_THROWS_WITH(scenes::settle_camera(scene, {}, scenes::CameraChoice::file, notes),
+                      Contains("cornell: has no camera") && Contains("#camera=file"));
 }
 
 TEST_CASE("defaults: a scene that is one point still has a camera in front of it",
