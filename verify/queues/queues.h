@@ -114,8 +114,8 @@ class Queues {
     const StageRecord& launch(std::uint32_t number) const;
     /// The level of a node; throws bad_input where the tree has no such node.
     std::uint32_t level_of(std::uint32_t node) const;
-    /// The node in whose queue rays wait for the triangle: its leaf, or the root of the subtree that
-    /// holds its leaf. kNone where the tree has no such primitive.
+    /// The node in whose queue rays wait for the triangle: its leaf, or the root of the subtree
+    /// that holds its leaf. kNone where the tree has no such primitive.
     std::uint32_t last_queue_of(std::uint32_t primitive) const;
 
     /// All launches in order. `verdicts`: of the diff with another capture, or null.
