@@ -16,6 +16,10 @@
 
 namespace {
 
+/// VerifySettings::only, where no other configuration is wanted.
+const std::optional<std::vector<scotty::verify::Configuration>> kBaselineOnly =
+    std::vector<scotty::verify::Configuration>{};
+
 using namespace scotty;
 using namespace scotty::verify;
 using reference::LightKind;
@@ -278,7 +282,7 @@ TEST_CASE("verify: a filter that runs at its threshold, and one that does not be
     settings.parameters.image_width = 5;
     settings.parameters.image_height = 3;
     settings.parameters.filter = reference::Filter::median;
-    settings.only = std::vector<Configuration>{};
+    settings.only = kBaselineOnly;
     const reference::Scene scene = scenes::load_scene("probe");
     const auto leave_out_filter = [](const reference::StageView& stage, std::size_t,
                                      const auto& show) {
@@ -321,7 +325,7 @@ TEST_CASE("verify: a bilateral weight that is zero in float and 1e-301 in double
     settings.parameters.max_leaf_size = 1;
     settings.parameters.filter = reference::Filter::bilateral;
     settings.parameters.filter_threshold = 2;
-    settings.only = std::vector<Configuration>{};
+    settings.only = kBaselineOnly;
     const SceneReport report =
         verify_scene(scenes::load_scene("probe:geometry=3,lights=1"), settings);
     CHECK(report.passed());
