@@ -3,8 +3,10 @@
 
 #include <cmath>
 #include <cstdint>
+#include <string>
 
 #include "tests/temporary_folder.h"
+#include "verify/images/image_read.h"
 #include "verify/images/measured_image.h"
 
 namespace scotty::verify::test {
@@ -12,6 +14,14 @@ namespace scotty::verify::test {
 using tests::slurp;
 using tests::spill;
 using tests::TemporaryFolder;
+
+/// Whether two files hold the same picture with the same noise, wherever it comes from.
+inline bool same_picture(const std::string& a, const std::string& b) {
+    const MeasuredImage one = read_image(a).image;
+    const MeasuredImage other = read_image(b).image;
+    return !one.mean.empty() && one.mean == other.mean && one.variance == other.variance &&
+           one.samples == other.samples;
+}
 
 /// A smooth picture without noise, of no symmetry; values are floats.
 inline MeasuredImage smooth_image(std::uint32_t width, std::uint32_t height) {

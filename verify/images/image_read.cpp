@@ -173,6 +173,9 @@ std::vector<Color> extract(const std::vector<float>& values, std::size_t channel
     return colors;
 }
 
+/// A truth value is no power.
+std::vector<Color> extract(const std::vector<float>&, std::size_t, const Channels&, bool) = delete;
+
 std::string part_name(const OIIO::ImageSpec& spec, int index) {
     const std::string name = spec.get_string_attribute("oiio:subimagename");
     return name.empty() ? std::to_string(index) : name;
@@ -242,7 +245,7 @@ ReadImage from_array(std::span<const float> values, std::size_t width, std::size
     read.encoding = "float";
     read.image.width = static_cast<std::uint32_t>(width);
     read.image.height = static_cast<std::uint32_t>(height);
-    read.image.mean = extract({values.begin(), values.end()}, 3, {0, 1, 2}, false);
+    read.image.mean = extract({values.begin(), values.end()}, 3, {0, 1, 2}, kLinear);
     return read;
 }
 
@@ -261,7 +264,7 @@ void read_noise_beside(const std::string& path, ReadImage& read) {
                         shape_text(shape), verify::to_string(array.type), shape_text(array.shape)));
     }
     const auto values = array.get<float>();
-    read.image.variance = extract({values.begin(), values.end()}, 3, {0, 1, 2}, false);
+    read.image.variance = extract({values.begin(), values.end()}, 3, {0, 1, 2}, kLinear);
     read.image.samples = unsigned_member(about.string(), read_json(about), "samples", 1u << 20);
 }
 
@@ -298,7 +301,7 @@ ReadImage read_capture(const std::string& path) {
         const reference::OwnedBuffer of_mean = capture.load(*stage, *variance);
         const auto* of_first = reinterpret_cast<const float*>(of_mean.bytes.data());
         read.image.variance = extract({of_first, of_first + of_mean.bytes.size() / sizeof(float)},
-                                      3, {0, 1, 2}, false);
+                                      3, {0, 1, 2}, kLinear);
         return read;
     }
     throw Error::bad_input(path, "this capture has no image: capture reconstruct_image too");

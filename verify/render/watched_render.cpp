@@ -109,11 +109,11 @@ class Onlookers {
 void write_picture(const RenderOutput& output, const PipelineParameters& p, const Image& image,
                    std::uint32_t samples) {
     const bool filtered = p.filter != reference::Filter::none && samples < p.filter_threshold;
-    if (std::filesystem::path(output.file).extension() != ".exr" || filtered) {
+    if (std::filesystem::path(output.file).extension() != ".exr") {
         write_image(image, output.file, output.exposure);
         return;
     }
-    MeasuredImage measured{image.width, image.height, {}, {}, samples, 1};
+    MeasuredImage measured{image.width, image.height, {}, {}, filtered ? 0 : samples, 1};
     measured.mean.reserve(image.pixels.size());
     for (const reference::Vec3& pixel : image.pixels) {
         measured.mean.push_back({pixel.x, pixel.y, pixel.z});

@@ -16,7 +16,7 @@ using namespace scotty::reference;
 using scotty::tests::slurp;
 using scotty::tests::spill;
 
-const std::string kPage = "docs/captures.md";
+const std::string kPage = std::string(SCOTTY_SOURCE_DIR) + "/docs/captures.md";
 
 std::string code(std::string_view word) { return fmt::format("`{}`", word); }
 

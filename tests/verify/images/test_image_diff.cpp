@@ -141,7 +141,20 @@ TEST_CASE("scotty diff: an array of scotty-gpu and a capture's folder are images
                       values.size() * sizeof(float));
     REQUIRE(scotty_here("render cornell --size 9x7 --spp 2 -o " + folder.file("a.exr")).exit_code ==
             0);
-    CHECK(scotty_here("diff " + folder.file("a.exr") + " " + folder.file("a.npy")).exit_code == 0);
+    const std::string array = "diff " + folder.file("a.exr") + " " + folder.file("a.npy");
+    CHECK(scotty_here(array).exit_code == 0);
+    CHECK(verify::read_image(folder.file("a.npy")).image.variance.empty());
+    std::vector<float> variances;
+    for (const verify::Color& color : image.variance) {
+        for (const double value : color) variances.push_back(static_cast<float>(value));
+    }
+    verify::write_npy(folder.file("a.variance.npy"), reference::ElementType::float32, shape,
+                      variances.data(), variances.size() * sizeof(float));
+    spill(folder.file("a.json"), "{\"samples\": 2}");
+    CHECK(scotty_here(array).exit_code == 0);
+    CHECK(verify::read_image(folder.file("a.npy")).image.variance == image.variance);
+    spill(folder.file("a.json"), "{}");
+    CHECK_THAT(scotty_here(array).err, Contains("a.json") && Contains("samples"));
     CHECK(scotty_here("diff " + folder.file("a.exr") + " " + capture).exit_code == 0);
     CHECK_THAT(scotty_here("diff " + folder.file("a.exr") + " " + capture + " --part 1").err,
                Contains("no part '1'"));

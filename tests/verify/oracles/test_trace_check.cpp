@@ -43,8 +43,9 @@ struct TraceRun {
 
 }  // namespace
 
-TEST_CASE("trace check: brute force passes; dead rays, finite and empty intervals, axes are asked",
-          "[verify][trace-check]") {
+TEST_CASE(
+    "trace check: brute force passes, and dead rays, finite and empty intervals, axes are asked",
+    "[verify][trace-check]") {
     const TraceRun run;
     std::size_t dead = 0;
     std::size_t finite = 0;

@@ -8,6 +8,7 @@
 #include <regex>
 
 #include "tests/verify/command_tools.h"
+#include "tests/verify/image_tools.h"
 #include "tests/verify/tev_server.h"
 #include "verify/images/image_read.h"
 
@@ -89,11 +90,11 @@ TEST_CASE("render --progressive: the same file as without", "[verify][cli][progr
         CHECK(progressive.exit_code == 0);
         CHECK(progressive.out.empty());
         CHECK_THAT(progressive.err, !Contains("warning"));
-        CHECK(slurp(a) == slurp(b));
+        CHECK(same_picture(a, b));
         CHECK(scotty_here(kPicture + std::string(options) +
                           " --progressive --samples-per-pass 2 -o " + b)
                   .exit_code == 0);
-        CHECK(slurp(a) == slurp(b));
+        CHECK(same_picture(a, b));
     }
 }
 
@@ -128,7 +129,7 @@ TEST_CASE("render --display: a viewer that is not there, or leaves, costs a warn
         CHECK(result.exit_code == 0);
         CHECK_THAT(result.err, Contains("warning: the display " + address) &&
                                    Contains("rendering goes on without it"));
-        CHECK(slurp(file) == slurp(plain));
+        CHECK(same_picture(file, plain));
     };
     std::string nobody;
     {
@@ -173,7 +174,7 @@ TEST_CASE("render --progressive: Ctrl-C keeps the last complete image and says o
         CHECK(scotty_here(kPicture + std::string(options) + " --spp " + found[1].str() + " -o " +
                           plain)
                   .exit_code == 0);
-        CHECK(slurp(kept) == slurp(plain));
+        CHECK(same_picture(kept, plain));
         CHECK(server.fault() == "");
         REQUIRE(server.images().count(kept) == 1);
         CHECK(server.images().at(kept).values == values_of(kept));

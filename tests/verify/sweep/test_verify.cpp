@@ -238,7 +238,7 @@ TEST_CASE("verify: the first failure is told at once, once, and --fail-fast ends
     CHECK_FALSE(ended.passed());
 }
 
-TEST_CASE("verify: what asks to stop is asked after every launch; what was judged is reported",
+TEST_CASE("verify: what asks to stop is asked after every launch, and what was judged is reported",
           "[verify][sweep]") {
     const Scene scene = scenes::load_scene("cornell");
     VerifySettings settings = quick();
