@@ -6,7 +6,7 @@
 #   ./run gpu-bundle check FOLDER    here again, with what came back: every capture against a fresh emulator run
 #
 # Inputs are 24 x 17 pixels with 2 samples; the configurations are widths 2, 4, 8, 16, rays per block 64 with queues on
-# all levels and 256 with queues on two, early-out off and level, both hit modes: 224 captures of the 7 built-in scenes.
+# all levels and 256 with queues on two, early-out off and level, both hit modes: 256 captures of the 8 built-in scenes.
 set -euo pipefail
 
 picture=(--size 24x17 --spp 2)
