@@ -40,7 +40,7 @@ using Pixel = std::array<double, 3>;
 double brightest(std::span<const Vec3> image) {
     double most = 0.0;
     for (const Vec3& value : image) {
-        const double one = double{reference::max_abs(value)};
+        const auto one = static_cast<double>(reference::max_abs(value));
         if (std::isfinite(one)) most = std::max(most, one);
     }
     return most;
