@@ -43,6 +43,7 @@ void add_remark(std::string& help, const std::string& remark) {
 
 std::string names_of(const std::set<CLI::Option*>& options) {
     std::vector<std::string> names;
+    names.reserve(options.size());
     for (const CLI::Option* option : options) names.push_back(option->get_name());
     std::sort(names.begin(), names.end());
     return fmt::format("{}", fmt::join(names, ", "));

@@ -133,7 +133,7 @@ std::string checksum(const fs::path& file) {
 fs::path find_golden_folder() {
     std::error_code ignored;
     const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
-    const fs::path installed = program.parent_path().parent_path() / "share/cuda-scotty/golden";
+    fs::path installed = program.parent_path().parent_path() / "share/cuda-scotty/golden";
     if (fs::exists(installed / "manifest.json", ignored)) return installed;
     for (const fs::path& start : {program.parent_path(), fs::current_path(ignored)}) {
         if (fs::path found = golden_above(start); !found.empty()) return found;

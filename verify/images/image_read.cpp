@@ -135,7 +135,7 @@ constexpr double kLinear = 1.0;
 double decoding_power(const OIIO::ImageSpec& spec) {
     if (spec.format.is_floating_point()) return kLinear;
     if (is_linear(spec.get_string_attribute("oiio:ColorSpace"))) return kLinear;
-    const double gamma = static_cast<double>(spec.get_float_attribute("oiio:Gamma"));
+    const auto gamma = static_cast<double>(spec.get_float_attribute("oiio:Gamma"));
     const bool is_a_power = gamma > 0.0 && std::isfinite(gamma) && std::abs(gamma - 2.2) > 0.01;
     return is_a_power ? gamma : kSrgb;
 }

@@ -198,9 +198,9 @@ std::vector<Draft> extra_drafts() {
     return {field};
 }
 
-Case finished(Draft draft) {
+Case finished(const Draft& draft) {
     Case out;
-    out.configuration = std::move(draft.configuration);
+    out.configuration = draft.configuration;
     const PipelineParameters& p = out.configuration.parameters;
     out.scene = fmt::format("probe:geometry={},lights={},camera={}", draft.geometry, draft.lights,
                             draft.camera);
@@ -255,10 +255,10 @@ CaseList covering_cases(Budget budget) {
     for (const Row& row : rows) {
         Draft draft;
         for (std::size_t f = 0; f < all.size(); ++f) all[f].values[row[f]].set(draft);
-        list.cases.push_back(finished(std::move(draft)));
+        list.cases.push_back(finished(draft));
     }
     if (budget != Budget::quick) {
-        for (Draft& draft : extra_drafts()) list.cases.push_back(finished(std::move(draft)));
+        for (const Draft& draft : extra_drafts()) list.cases.push_back(finished(draft));
     }
     const Covered pairs = covered_by(sizes, rows, 2);
     const Covered triples = covered_by(sizes, rows, 3);

@@ -54,8 +54,7 @@ ConfigurationReport folded(SceneReport report, const Case& one) {
 }  // namespace
 
 SceneReport verify_cases(const std::vector<Case>& cases, const VerifySettings& settings) {
-    using Clock = std::chrono::steady_clock;
-    const auto start = Clock::now();
+    const auto start = std::chrono::steady_clock::now();
     SceneReport report;
     report.scene = "cases";
     report.source = "cases";
@@ -87,7 +86,8 @@ SceneReport verify_cases(const std::vector<Case>& cases, const VerifySettings& s
         report.left_out = cases.size() - i - 1;
         break;
     }
-    report.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    report.seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return report;
 }
 
