@@ -130,6 +130,18 @@ void check_appended(const StageView& stage, std::uint32_t ray, std::span<const L
     }
 }
 
+/// The hits that were there before a launch must be there after it.
+void check_kept(const CheckState& state, const StageView& stage, std::uint32_t ray,
+                std::span<const HitCandidate> kept, std::vector<Failure>& failures) {
+    if (kept.empty() || sum_of_hits(kept) == state.traversal.hit_sums[ray]) return;
+    Failure failure =
+        leaf_failure(stage, ray, nullptr, "the hits that levels before have gathered changed");
+    failure.expected = fmt::format("the {} hits as they were", kept.size());
+    failure.found =
+        fmt::format("others, the first is {}", describe(kept.front().t, kept.front().primitive));
+    failures.push_back(std::move(failure));
+}
+
 std::uint64_t pack(const LeafHit& hit) {
     return std::uint64_t{std::bit_cast<std::uint32_t>(hit.t)} << 32 | hit.primitive;
 }
@@ -161,6 +173,19 @@ void check_packed(const StageView& stage, std::uint32_t ray, std::span<const Lea
 }
 
 }  // namespace
+
+std::uint64_t sum_of_hits(std::span<const HitCandidate> hits) {
+    std::uint64_t sum = 0;
+    for (const HitCandidate& hit : hits) {
+        // Odd factors and shifts mix all bits (splitmix64).
+        std::uint64_t mixed =
+            std::uint64_t{std::bit_cast<std::uint32_t>(hit.t)} << 32 | hit.primitive;
+        mixed = (mixed ^ mixed >> 30) * 0xbf58476d1ce4e5b9u;
+        mixed = (mixed ^ mixed >> 27) * 0x94d049bb133111ebu;
+        sum += mixed ^ mixed >> 31;
+    }
+    return sum;
+}
 
 void check_leaves(CheckState& state, const StageView& stage) {
     if (stage.level == kNotApplicable || stage.level + 1 >= state.bvh.level_begins.size()) return;
@@ -208,6 +233,7 @@ void check_leaves(CheckState& state, const StageView& stage) {
                 continue;
             }
             appended_total += counts[ray] - before;
+            check_kept(state, stage, ray, hits.subspan(ray * capacity, before), failures);
             check_appended(stage, ray, of_ray(ray),
                            hits.subspan(ray * capacity + before, counts[ray] - before), failures);
         }
@@ -231,6 +257,11 @@ void check_minimum(CheckState& state, const StageView& stage) {
     if (policy == EarlyOut::off) return;
     const TraversalState& traversal = state.traversal;
     const auto minimum = expect_buffer<float>(state, stage, "minimum", traversal.rays.size());
+    if (stage.kind == StageKind::publish_minimum) {
+        expect_same<float>(
+            state, stage, invariant::kMinimum, "lowered", minimum, stage.get<float>("lowered"),
+            true, "not the nearest distance that is published", [](float t) { return exact(t); });
+    }
     // Under `level` an intersect launch reads the minimum published before it, unchanged.
     const bool unchanged = policy == EarlyOut::level && stage.kind != StageKind::publish_minimum;
     for (std::size_t ray = 0; ray < minimum.size(); ++ray) {

@@ -3,6 +3,7 @@
 /// they put the results.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 
 #include "reference/numerics/path.h"
@@ -45,11 +46,16 @@ class Expectation {
     const StageView& stage_;
 };
 
-/// Whether the state of all paths of `n` rays has been seen.
-bool knows(const PathState& paths, std::size_t n) {
+/// Whether the state of all paths of `n` rays has been seen, with hits on triangles that exist;
+/// check_merge has reported others.
+bool knows(const CheckState& state, std::size_t n) {
+    const PathState& paths = state.paths;
     return paths.rays.size() == n && paths.throughput.size() == n && paths.pixel.size() == n &&
            paths.sample.size() == n && paths.flags.size() == n && paths.path_hits.size() == n &&
-           paths.radiance.size() == n;
+           paths.radiance.size() == n &&
+           std::all_of(paths.path_hits.begin(), paths.path_hits.end(), [&](const Hit& hit) {
+               return !is_hit(hit) || hit.primitive < state.scene.triangles.size();
+           });
 }
 
 Random4 random_of(const CheckState& state, std::size_t ray, std::uint32_t bounce,
@@ -78,7 +84,7 @@ void check_light_paths(CheckState& state, const StageView& stage) {
     const auto shadow = stage.get<Ray>("shadow_rays");
     const auto potential = stage.get<Vec3>("potential");
     const PathState& paths = state.paths;
-    if (potential.size() != shadow.size() || !knows(paths, shadow.size())) return;
+    if (potential.size() != shadow.size() || !knows(state, shadow.size())) return;
     const PathParameters parameters = path_parameters(state.parameters);
     const SceneView scene = view_of(state.scene);
     Expectation expect(state, stage);
@@ -101,7 +107,7 @@ void check_scattered_paths(CheckState& state, const StageView& stage) {
     const auto radiance = stage.get<Vec3>("radiance");
     const auto flags = stage.get<std::uint32_t>("flags");
     const PathState& paths = state.paths;
-    if (throughput.size() != n || radiance.size() != n || flags.size() != n || !knows(paths, n)) {
+    if (throughput.size() != n || radiance.size() != n || flags.size() != n || !knows(state, n)) {
         return;
     }
     const PathParameters parameters = path_parameters(state.parameters);

@@ -298,12 +298,32 @@ bool check_input_queue(CheckState& state, const Launch& launch) {
             return false;
         }
     }
-    if (launch.stage.level == 0 && total != launch.ray_count) {
-        Failure failure =
-            failure_at(launch.stage, invariant::kHandOver, "the root takes every ray once");
+    if (launch.stage.level != 0) return true;
+    Failure failure =
+        failure_at(launch.stage, invariant::kHandOver, "the root takes every ray once");
+    if (total != launch.ray_count) {
         failure.field = "node_counts[0]";
         failure.expected = std::to_string(launch.ray_count);
         failure.found = std::to_string(total);
+        state.add(std::move(failure));
+        return false;
+    }
+    if (traversal.scanned && !traversal.node_counts.empty() &&
+        traversal.node_counts.front() != launch.ray_count) {
+        failure.sentence = "the scan read another number of rays than the root takes";
+        failure.field = "node_counts[0]";
+        failure.expected = std::to_string(launch.ray_count);
+        failure.found = std::to_string(traversal.node_counts.front());
+        state.add(std::move(failure));
+        return false;
+    }
+    const auto offsets = launch.stage.get<std::uint32_t>("queue_offsets");
+    for (std::uint32_t i = 0; i < offsets.size(); ++i) {
+        const std::uint32_t expected = i == 0 ? 0 : launch.ray_count;
+        if (offsets[i] == expected) continue;
+        failure.field = fmt::format("queue_offsets[{}]", i);
+        failure.expected = std::to_string(expected);
+        failure.found = std::to_string(offsets[i]);
         state.add(std::move(failure));
         return false;
     }
@@ -416,6 +436,7 @@ void check_queues(CheckState& state, const StageView& stage) {
 
 void begin_traversal(CheckState& state, const StageView& stage) {
     TraversalState& traversal = state.traversal;
+    forget_traversal(state);
     traversal = TraversalState{};
     traversal.running = true;
     traversal.failures_before = state.counts.failures;
@@ -432,6 +453,7 @@ void follow_level(CheckState& state, const StageView& stage) {
         traversal.rays = copy_of(stage.get<Ray>("rays"));
         const std::size_t n = traversal.rays.size();
         traversal.hit_counts.assign(n, 0);
+        traversal.hit_sums.assign(n, 0);
         traversal.packed.assign(n, kNoPackedHit);
         traversal.best.assign(n, {kInfinity, kNone});
         traversal.minimum.assign(n, kInfinity);
@@ -463,6 +485,7 @@ void follow_level(CheckState& state, const StageView& stage) {
             note(ray, hits[ray * capacity + slot].t, hits[ray * capacity + slot].primitive);
         }
         traversal.hit_counts[ray] = counts[ray];
+        traversal.hit_sums[ray] = sum_of_hits(hits.subspan(ray * capacity, end));
     }
 }
 

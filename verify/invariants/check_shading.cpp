@@ -55,12 +55,13 @@ void check_primary_rays(CheckState& state, const StageView& stage) {
     const std::size_t n = rays.size();
     const auto throughput = expect_buffer<Vec3>(state, stage, "throughput", n);
     const auto radiance = expect_buffer<Vec3>(state, stage, "radiance", n);
+    const auto potential = expect_buffer<Vec3>(state, stage, "potential", n);
     const auto pixel = expect_buffer<std::uint32_t>(state, stage, "pixel", n);
     const auto sample = expect_buffer<std::uint32_t>(state, stage, "sample", n);
     const auto depth = expect_buffer<std::uint32_t>(state, stage, "depth", n);
     const auto flags = expect_buffer<std::uint32_t>(state, stage, "flags", n);
-    if (throughput.size() != n || radiance.size() != n || pixel.size() != n || sample.size() != n ||
-        depth.size() != n || flags.size() != n) {
+    if (throughput.size() != n || radiance.size() != n || potential.size() != n ||
+        pixel.size() != n || sample.size() != n || depth.size() != n || flags.size() != n) {
         return;
     }
     check_ray_records(state, stage, "rays", rays);
@@ -80,13 +81,15 @@ void check_primary_rays(CheckState& state, const StageView& stage) {
             return;
         }
         ++samples[pixel[i]];
-        if (throughput[i] != Vec3(1.0f) || radiance[i] != Vec3(0.0f) || depth[i] != 0 ||
-            flags[i] != kPathAlive || is_dead(rays[i])) {
+        if (!same_bits(throughput[i], Vec3(1.0f)) || !same_bits(radiance[i], Vec3(0.0f)) ||
+            !same_bits(potential[i], Vec3(0.0f)) || depth[i] != 0 || flags[i] != kPathAlive ||
+            is_dead(rays[i])) {
             fail_ray(state, stage, invariant::kPathState, i, fmt::format("path state [{}]", i),
                      "a path does not start fresh",
-                     "a living ray, throughput 1, radiance 0, depth 0, flags 1",
-                     fmt::format("throughput {}, radiance {}, depth {}, flags {}",
-                                 exact(throughput[i]), exact(radiance[i]), depth[i], flags[i]));
+                     "a living ray, throughput 1, radiance 0, potential 0, depth 0, flags 1",
+                     fmt::format("throughput {}, radiance {}, potential {}, depth {}, flags {}",
+                                 exact(throughput[i]), exact(radiance[i]), exact(potential[i]),
+                                 depth[i], flags[i]));
             return;
         }
     }
@@ -148,7 +151,9 @@ void check_scene_rays(CheckState& state, const StageView& stage) {
     const auto throughput = expect_buffer<Vec3>(state, stage, "throughput", n);
     const auto radiance = expect_buffer<Vec3>(state, stage, "radiance", n);
     const auto flags = expect_buffer<std::uint32_t>(state, stage, "flags", n);
-    if (rays.size() != n || throughput.size() != n || radiance.size() != n || flags.size() != n) {
+    const auto depth = expect_buffer<std::uint32_t>(state, stage, "depth", n);
+    if (rays.size() != n || throughput.size() != n || radiance.size() != n || flags.size() != n ||
+        depth.size() != n) {
         return;
     }
     const PathState& paths = state.paths;
@@ -165,6 +170,14 @@ void check_scene_rays(CheckState& state, const StageView& stage) {
                 "bounce left",
                 alive ? "a living ray from a hit before the last bounce" : "a dead ray",
                 fmt::format("flags {}, hit: {}, {}", flags[i], exact(hits[i]), exact(rays[i])));
+            return;
+        }
+        const std::uint32_t scatterings =
+            i < paths.depth.size() ? paths.depth[i] + alive : depth[i];
+        if (depth[i] != scatterings) {
+            fail_ray(state, stage, invariant::kPathState, i, fmt::format("depth[{}]", i),
+                     "depth counts the scatterings of a path, and nothing else",
+                     fmt::format("{}", scatterings), fmt::format("{}", depth[i]));
             return;
         }
         const Vec3 before = i < paths.radiance.size() ? paths.radiance[i] : Vec3(0.0f);
@@ -263,6 +276,7 @@ void follow_shading(CheckState& state, const StageView& stage) {
     paths.rays = copy_of(stage.get<Ray>("rays"));
     paths.throughput = copy_of(stage.get<Vec3>("throughput"));
     paths.flags = copy_of(stage.get<std::uint32_t>("flags"));
+    paths.depth = copy_of(stage.get<std::uint32_t>("depth"));
     if (stage.kind == StageKind::scene_rays) return;
     paths.pixel = copy_of(stage.get<std::uint32_t>("pixel"));
     paths.sample = copy_of(stage.get<std::uint32_t>("sample"));

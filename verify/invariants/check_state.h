@@ -1,8 +1,10 @@
 /// Shared by the checks of the single stages (check_*.cpp): what they have seen so far.
 #pragma once
 
+#include <map>
 #include <span>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -30,6 +32,7 @@ struct TraversalState {
     std::vector<std::uint32_t> child_offsets;
 
     std::vector<std::uint32_t> hit_counts;
+    std::vector<std::uint64_t> hit_sums;  ///< sum_of_hits of all hits gathered so far
     std::vector<std::uint64_t> packed;
     std::vector<reference::HitCandidate> best;  ///< closest of all hits appended so far
     std::vector<float> minimum;                 ///< as last seen
@@ -50,7 +53,7 @@ struct PathState {
     std::vector<reference::Ray> rays, shadow_rays;
     std::vector<reference::Hit> path_hits, shadow_hits;
     std::vector<reference::Vec3> radiance, potential, throughput;
-    std::vector<std::uint32_t> pixel, sample, flags;
+    std::vector<std::uint32_t> pixel, sample, depth, flags;
 };
 
 /// The image's state, by pixel: the number of generated samples, and the sum so far.
@@ -59,6 +62,18 @@ struct ImageState {
     std::vector<std::uint32_t> summed;
     std::vector<reference::Vec3> sum;
     std::vector<reference::Vec3> deviations;  ///< squared, from the mean so far
+};
+
+/// What each buffer held when it was last written, for the stages that read it.
+struct HandOver {
+    /// The buffer as its writer calls it, its level (kNotApplicable where it has none), and whether
+    /// it is of shadow rays.
+    using Key = std::tuple<const reference::BufferInfo*, std::uint32_t, bool>;
+    struct Written {
+        std::vector<std::byte> bytes;
+        std::string stage;
+    };
+    std::map<Key, Written> written;
 };
 
 struct InvariantChecker::State {
@@ -72,6 +87,7 @@ struct InvariantChecker::State {
     TraversalState traversal;
     PathState paths;
     ImageState image;
+    HandOver handed_over;
 
     void add(Failure failure);
     /// Sorts by node, then by how specific the invariant is, then by ray, and adds them.
@@ -82,6 +98,9 @@ struct InvariantChecker::State {
 Failure failure_at(const reference::StageView& stage, const char* invariant, std::string sentence);
 
 using CheckState = InvariantChecker::State;
+
+/// A number that changes when any of the hits does; in any order.
+std::uint64_t sum_of_hits(std::span<const reference::HitCandidate> hits);
 
 template <class T>
 std::vector<T> copy_of(std::span<const T> values) {
@@ -139,6 +158,8 @@ void check_scattered_paths(CheckState& state, const reference::StageView& stage)
 void check_filter(CheckState& state, const reference::StageView& stage);
 /// Checks that every value that has to be finite is.
 void check_finite(CheckState& state, const reference::StageView& stage);
+/// Checks that the stage reads what stages before it have written.
+void check_hand_over(CheckState& state, const reference::StageView& stage);
 
 // These record what later stages are checked against; they run whether or not the stage is judged.
 void begin_traversal(CheckState& state, const reference::StageView& stage);
@@ -146,5 +167,8 @@ void follow_scan(CheckState& state, const reference::StageView& stage);
 void follow_level(CheckState& state, const reference::StageView& stage);
 void follow_minimum(CheckState& state, const reference::StageView& stage);
 void follow_shading(CheckState& state, const reference::StageView& stage);
+void follow_hand_over(CheckState& state, const reference::StageView& stage);
+/// Before a traversal, and before one that is run again.
+void forget_traversal(CheckState& state);
 
 }  // namespace scotty::verify

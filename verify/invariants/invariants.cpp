@@ -27,7 +27,7 @@ InvariantCounts& InvariantCounts::operator+=(const InvariantCounts& other) {
 InvariantChecker::InvariantChecker(const reference::Scene& scene, const reference::WideBvh& bvh,
                                    const reference::PipelineParameters& parameters,
                                    InvariantSettings settings)
-    : state_(new State{scene, bvh, parameters, std::move(settings), {}, {}, {}, {}, {}}) {}
+    : state_(new State{scene, bvh, parameters, std::move(settings), {}, {}, {}, {}, {}, {}}) {}
 
 InvariantChecker::~InvariantChecker() = default;
 
@@ -76,6 +76,7 @@ void InvariantChecker::on_stage(const StageView& stage) {
         ++state.counts.stages;
         check_finite(state, stage);
     }
+    const std::uint64_t failures = state.counts.failures;
     const bool recomputed = judged && state.settings.recompute_shading;
     switch (stage.kind) {
         case StageKind::scan_counts:
@@ -127,6 +128,9 @@ void InvariantChecker::on_stage(const StageView& stage) {
             if (judged) check_filter(state, stage);
             break;
     }
+    // A check of its own kind says more.
+    if (judged && state.counts.failures == failures) check_hand_over(state, stage);
+    follow_hand_over(state, stage);
 }
 
 void InvariantChecker::on_retry(std::string_view, std::string_view) {
