@@ -17,6 +17,7 @@ constexpr std::uint32_t kSomeOther = ~0u;
 class MemoryChecker;  // check/memory_checker.h
 class Interleaver;    // simt/interleave/interleaver.h
 class FrameArena;     // simt/frame_arena.h
+class LateStores;     // simt/late_stores.h
 struct SharedShadow;
 
 /// The place where a thread of the block has stopped.
@@ -47,6 +48,7 @@ struct Context {
     std::uint32_t started = 0;
     std::uint32_t finished = 0;
     FrameArena* arena = nullptr;
+    LateStores* late_stores = nullptr;  ///< null: every store is seen at once
     SharedMemory* shared = nullptr;
     std::uint32_t phase = 0;  ///< barriers that the block has passed
     /// The address in the text of the last access that instrumented code has announced.

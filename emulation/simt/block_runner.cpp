@@ -31,6 +31,7 @@ void BlockRunner::enter(const Launch& launch, std::uint32_t block) {
     context.arena = &arena_;
     context.shared = &shared_;
     context.interleaver = launch.interleaver;
+    context.late_stores = launch.late_stores;
     if (launch.checker == nullptr) return;
     shared_shadow_.resize(SharedMemory::kBytes / 4);
     context.checker = launch.checker;
@@ -74,6 +75,7 @@ void BlockRunner::run(const Launch& launch, std::uint32_t block, ScheduleKind or
 void BlockRunner::leave() {
     context.checker = nullptr;
     context.interleaver = nullptr;
+    context.late_stores = nullptr;
 }
 
 template <bool First>

@@ -30,6 +30,7 @@ struct Launch {
     const void* arguments = nullptr;
     MemoryChecker* checker = nullptr;
     Interleaver* interleaver = nullptr;
+    LateStores* late_stores = nullptr;
     std::uint32_t first_block = 0;  ///< as the checker numbers it
 };
 

@@ -10,6 +10,7 @@
 #include "emulation/execution/context.h"
 #include "emulation/simt/collectives.h"
 #include "emulation/simt/current_device.h"
+#include "emulation/simt/late_stores.h"
 #include "emulation/simt/task.h"
 
 #define SCOTTY_DEVICE_NAMESPACE scotty::gpu::simt
@@ -103,9 +104,13 @@ SCOTTY_DEVICE void atomic_min_distance(float* target, float value) {
 }
 SCOTTY_DEVICE float load_relaxed(const float* source) { return emulation::load_relaxed(*source); }
 SCOTTY_DEVICE std::uint64_t load_relaxed(const std::uint64_t* source) {
-    return emulation::load_relaxed(*source);
+    const std::uint64_t now = emulation::load_relaxed(*source);
+    emulation::simt::LateStores* late = emulation::simt::context.late_stores;
+    return late == nullptr ? now : late->loaded(source, now);
 }
 SCOTTY_DEVICE void store_relaxed(std::uint64_t* target, std::uint64_t value) {
+    emulation::simt::LateStores* late = emulation::simt::context.late_stores;
+    if (late != nullptr) late->stored(target, emulation::load_relaxed(*target));
     emulation::store_relaxed(*target, value);
 }
 SCOTTY_DEVICE std::uint32_t float_bits(float value) { return std::bit_cast<std::uint32_t>(value); }

@@ -8,6 +8,7 @@
 
 #include "emulation/check/bad_address.h"
 #include "emulation/simt/interleave/interleaver.h"
+#include "emulation/simt/late_stores.h"
 
 namespace scotty::emulation::simt {
 
@@ -42,15 +43,21 @@ void Executor::run(Launch& launch) {
 
 void Executor::check_memory() { checker_ = std::make_unique<MemoryChecker>(); }
 
-void Executor::run_blocks(const Launch& launch) {
+void Executor::run_blocks(Launch& launch) {
     const auto seed_of = [this](std::uint32_t block) {
         return mixed(options_.schedule_seed, launches_, block);
     };
     if (options_.schedule != ScheduleKind::free) {
         const Schedule schedule{options_.schedule, options_.schedule_seed};
+        LateStores late_stores(seed_of(0));
+        const bool late = options_.schedule == ScheduleKind::adversarial ||
+                          options_.schedule == ScheduleKind::shuffled;
+        if (late) launch.late_stores = &late_stores;
         for (const std::uint32_t block : block_order(schedule, launches_, launch.blocks)) {
+            late_stores.block_starts();
             runners_.local().run(launch, block, options_.schedule, seed_of(block));
         }
+        late_loads_ += late_stores.late_loads();
         return;
     }
     // A worker takes blocks of about a thousand threads together at once.

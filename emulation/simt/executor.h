@@ -80,14 +80,17 @@ class Executor {
     void interleave(Interleaver* interleaver) { interleaver_ = interleaver; }
     /// Counts the threads that were started and have left, over all launches, each once.
     std::uint64_t threads_run() const;
+    /// Counts the loads that have found a word as it was before its last store (late_stores.h).
+    std::uint64_t late_loads() const { return late_loads_; }
 
  private:
     void run(Launch& launch);
-    void run_blocks(const Launch& launch);
+    void run_blocks(Launch& launch);
 
     SimtOptions options_;
     std::unique_ptr<MemoryChecker> checker_;
     Interleaver* interleaver_ = nullptr;
+    std::uint64_t late_loads_ = 0;
     std::uint64_t launches_ = 0;  ///< so that orders differ from launch to launch
     oneapi::tbb::task_arena arena_;
     oneapi::tbb::enumerable_thread_specific<BlockRunner> runners_;

@@ -195,6 +195,8 @@ std::vector<Draft> extra_drafts() {
     field.p().seed = 11;
     field.p().width = 16;
     field.p().max_leaf_size = 1;
+    // Stores are seen late, so that tiles look back over sums that are not complete.
+    field.configuration.schedule = {emulation::ScheduleKind::adversarial, 0};
     return {field};
 }
 
