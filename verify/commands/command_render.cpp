@@ -161,7 +161,7 @@ int run_render(RenderOptions options) {
 }  // namespace
 
 void add_render_command(CLI::App& app, Action& action) {
-    auto* command = app.add_subcommand("render", "Render a scene to an .exr or .png file.");
+    auto* command = app.add_subcommand("render", "Render a scene to an .exr, .png or .npy file.");
     command->footer(
         "Examples:\n"
         "  scotty render coil -o coil.png --size 640x400 --spp 16\n"
@@ -172,7 +172,8 @@ void add_render_command(CLI::App& app, Action& action) {
         "  scotty render coil -o coil.exr --spp 4096 --display localhost:14158\n\n"
         "EXR holds linear radiance in float32, the variance of each pixel's mean, the samples per "
         "pixel, and scene, parameters, back end and version; PNG holds 8-bit sRGB of "
-        "radiance * 2^exposure.\n\n"
+        "radiance * 2^exposure. NumPy's .npy holds linear radiance, with the variance in "
+        "X.variance.npy and the rest in X.json beside it, and needs no library for images.\n\n"
         "A progressive render is the same picture, bit for bit. Ctrl-C (or SIGTERM) ends it at the "
         "next launch: FILE then holds the last pass that every pixel had, which is the picture of "
         "that many --spp, and the exit code is 130 (143). A second Ctrl-C ends it at once; FILE is "
@@ -182,7 +183,7 @@ void add_render_command(CLI::App& app, Action& action) {
     options->parameters.samples_per_pass = 1;
     command->add_option("scene", options->scene, "a built-in scene (scotty list) or a file")
         ->required();
-    command->add_option("-o,--output", options->output.file, "the .exr or .png file to write")
+    command->add_option("-o,--output", options->output.file, "the .exr, .png or .npy file to write")
         ->required();
     add_backend_options(*command, options->backend,
                         "who traces the rays: emulator, embree, simt or cuda", true);

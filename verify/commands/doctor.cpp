@@ -1,6 +1,5 @@
 #include "verify/commands/doctor.h"
 
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -14,6 +13,7 @@
 #include "scenes/scenes.h"
 #include "verify/backends/machine.h"
 #include "verify/base/ask.h"
+#include "verify/images/image_library.h"
 
 namespace scotty::verify {
 
@@ -51,6 +51,14 @@ Finding find_embree() {
         finding.detail += std::string(", but it does not start: ") + error.what();
     }
     return finding;
+}
+
+Finding find_image_module() {
+    try {
+        return {"OpenImageIO", true, false, image_module().version()};
+    } catch (const reference::Error& error) {
+        return {"OpenImageIO", false, false, error.what()};
+    }
 }
 
 Finding find_cuda_compiler() {
@@ -110,10 +118,7 @@ std::vector<Finding> examine_machine() {
          fmt::format("{}, {}, {}", machine.build, machine.compiler, machine.vectors)});
     findings.push_back({"TBB", true, true, machine.tbb});
     findings.push_back(find_embree());
-    findings.push_back({"OpenImageIO", true, true,
-                        fmt::format("{}, built against {}",
-                                    OIIO::get_string_attribute("version", "version unknown"),
-                                    OIIO_VERSION_STRING)});
+    findings.push_back(find_image_module());
     findings.push_back(find_cuda_compiler());
     findings.push_back(find_cuda_driver());
     findings.push_back(find_cuda_device());

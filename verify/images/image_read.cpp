@@ -1,6 +1,5 @@
 #include "verify/images/image_read.h"
 
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -19,6 +19,8 @@
 #include "reference/base/error.h"
 #include "verify/capture/capture.h"
 #include "verify/capture/npy.h"
+#include "verify/capture/picture_arrays.h"
+#include "verify/images/image_library.h"
 #include "verify/images/srgb.h"
 
 namespace scotty::verify {
@@ -31,52 +33,57 @@ using Channels = std::array<std::size_t, 3>;
 /// 8192 x 8192; more is a mistake, or a header made to exhaust memory.
 constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 26;
 
-std::unique_ptr<OIIO::ImageInput> open(const std::string& path) {
+std::unique_ptr<ImageInput> open(const std::string& path) {
     std::error_code ignored;
     if (!fs::exists(path, ignored)) throw Error::bad_input(path, "no such file");
     if (!fs::is_regular_file(path, ignored)) {
         throw Error::bad_input(path, "expected an image file, found a folder");
     }
-    OIIO::ImageSpec wishes;
-    wishes.attribute("oiio:UnassociatedAlpha", 1);  // colours not multiplied by alpha
-    auto input = OIIO::ImageInput::open(path, &wishes);
-    if (!input) throw Error::bad_input(path, "cannot be read as an image: " + OIIO::geterror());
+    std::string why;
+    auto input = image_module().open(path, why);
+    if (!input) throw Error::bad_input(path, why);
     return input;
 }
 
-void expect_whole_flat_image(const OIIO::ImageSpec& spec, const std::string& path) {
-    if (spec.deep) throw Error::bad_input(path, "expected a flat image, found a deep one");
-    if (spec.depth > 1) throw Error::bad_input(path, "expected a flat image, found a volume");
-    const bool whole = spec.x == spec.full_x && spec.y == spec.full_y &&
-                       spec.width == spec.full_width && spec.height == spec.full_height;
-    if (!whole) {
+void expect_whole_flat_image(const ImagePart& part, const std::string& path) {
+    if (part.deep) throw Error::bad_input(path, "expected a flat image, found a deep one");
+    if (part.depth > 1) throw Error::bad_input(path, "expected a flat image, found a volume");
+    const PixelWindow& pixels = part.pixels;
+    const PixelWindow& picture = part.picture;
+    if (pixels != picture) {
         throw Error::bad_input(
             path, fmt::format("expected a whole picture, found pixels for {}x{} at ({}, {}) of "
                               "{}x{} at ({}, {}): write it without a crop",
-                              spec.width, spec.height, spec.x, spec.y, spec.full_width,
-                              spec.full_height, spec.full_x, spec.full_y));
+                              pixels.width, pixels.height, pixels.x, pixels.y, picture.width,
+                              picture.height, picture.x, picture.y));
     }
-    const std::uint64_t pixels = std::uint64_t(spec.width) * std::uint64_t(spec.height);
-    if (spec.width <= 0 || spec.height <= 0 || pixels > kMostPixels) {
+    const std::uint64_t count = std::uint64_t(pixels.width) * std::uint64_t(pixels.height);
+    if (pixels.width <= 0 || pixels.height <= 0 || count > kMostPixels) {
         throw Error::bad_input(path, fmt::format("expected 1 to {} pixels, found {}x{}",
-                                                 kMostPixels, spec.width, spec.height));
+                                                 kMostPixels, pixels.width, pixels.height));
     }
 }
 
+std::optional<std::size_t> find_channel(const ImagePart& part, const std::string& name) {
+    const auto at = std::find(part.channels.begin(), part.channels.end(), name);
+    if (at == part.channels.end()) return std::nullopt;
+    return static_cast<std::size_t>(at - part.channels.begin());
+}
+
 /// Finds the three channels; returns false if none is there, and throws if only some are.
-bool find_channels(const OIIO::ImageSpec& spec, const std::array<std::string, 3>& names,
+bool find_channels(const ImagePart& part, const std::array<std::string, 3>& names,
                    const std::string& path, Channels& found) {
     std::size_t count = 0;
     for (std::size_t c = 0; c < 3; ++c) {
-        const int index = spec.channelindex(names[c]);
-        if (index < 0) continue;
-        found[c] = static_cast<std::size_t>(index);
+        const auto index = find_channel(part, names[c]);
+        if (!index) continue;
+        found[c] = *index;
         ++count;
     }
     if (count != 0 && count != 3) {
         throw Error::bad_input(
             path, fmt::format("expected all of the channels {}, found {}", fmt::join(names, ", "),
-                              fmt::join(spec.channelnames, ", ")));
+                              fmt::join(part.channels, ", ")));
     }
     return count == 3;
 }
@@ -90,9 +97,9 @@ std::string layer_of(const std::string& channel) {
     return layer;
 }
 
-std::vector<std::string> layers_of(const OIIO::ImageSpec& spec) {
+std::vector<std::string> layers_of(const ImagePart& part) {
     std::vector<std::string> layers;
-    for (const std::string& channel : spec.channelnames) {
+    for (const std::string& channel : part.channels) {
         const std::string layer = layer_of(channel);
         const bool known = std::find(layers.begin(), layers.end(), layer) != layers.end();
         if (!layer.empty() && !known) layers.push_back(layer);
@@ -100,20 +107,19 @@ std::vector<std::string> layers_of(const OIIO::ImageSpec& spec) {
     return layers;
 }
 
-Channels color_channels(const OIIO::ImageSpec& spec, const std::string& prefix,
-                        const std::string& path) {
+Channels color_channels(const ImagePart& part, const std::string& prefix, const std::string& path) {
     Channels found{};
-    if (find_channels(spec, {prefix + "R", prefix + "G", prefix + "B"}, path, found)) return found;
-    const int grey = spec.channelindex(prefix + "Y");
-    if (grey < 0) {
-        const std::vector<std::string> layers = layers_of(spec);
+    if (find_channels(part, {prefix + "R", prefix + "G", prefix + "B"}, path, found)) return found;
+    const auto grey = find_channel(part, prefix + "Y");
+    if (!grey) {
+        const std::vector<std::string> layers = layers_of(part);
         throw Error::bad_input(
             path,
             fmt::format("expected the channels {0}R, {0}G, {0}B (or {0}Y), found {1}{2}", prefix,
-                        fmt::join(spec.channelnames, ", "),
+                        fmt::join(part.channels, ", "),
                         layers.empty() ? "" : "; choose a layer with --layer " + layers.front()));
     }
-    found.fill(static_cast<std::size_t>(grey));
+    found.fill(*grey);
     return found;
 }
 
@@ -132,26 +138,17 @@ constexpr double kLinear = 1.0;
 
 /// OpenImageIO spells the colour space differently from format to format, and gives a gamma where
 /// the file has one. Programs that mean sRGB write a gamma of 2.2, too.
-double decoding_power(const OIIO::ImageSpec& spec) {
-    if (spec.format.is_floating_point()) return kLinear;
-    if (is_linear(spec.get_string_attribute("oiio:ColorSpace"))) return kLinear;
-    const auto gamma = static_cast<double>(spec.get_float_attribute("oiio:Gamma"));
+double decoding_power(const ImagePart& part) {
+    if (part.floating_point || is_linear(part.color_space)) return kLinear;
+    const auto gamma = static_cast<double>(part.gamma);
     const bool is_a_power = gamma > 0.0 && std::isfinite(gamma) && std::abs(gamma - 2.2) > 0.01;
     return is_a_power ? gamma : kSrgb;
 }
 
-ImageAttributes own_attributes(const OIIO::ImageSpec& spec) {
-    ImageAttributes attributes;
-    for (const OIIO::ParamValue& value : spec.extra_attribs) {
-        const std::string name = value.name().string();
-        if (name.rfind("scotty:", 0) == 0) attributes[name] = value.get_string();
-    }
-    return attributes;
-}
-
-std::uint64_t count_of(const OIIO::ImageSpec& spec, const char* name, int otherwise,
+std::uint64_t count_of(const ImagePart& part, const char* name, int otherwise,
                        const std::string& path) {
-    const int count = spec.get_int_attribute(name, otherwise);
+    const auto found = part.counts.find(name);
+    const int count = found == part.counts.end() ? otherwise : found->second;
     if (count < otherwise) {
         throw Error::bad_input(path, fmt::format("attribute {}: expected {} or more, found {}",
                                                  name, otherwise, count));
@@ -176,66 +173,56 @@ std::vector<Color> extract(const std::vector<float>& values, std::size_t channel
 /// A truth value is no power.
 std::vector<Color> extract(const std::vector<float>&, std::size_t, const Channels&, bool) = delete;
 
-std::string part_name(const OIIO::ImageSpec& spec, int index) {
-    const std::string name = spec.get_string_attribute("oiio:subimagename");
-    return name.empty() ? std::to_string(index) : name;
-}
-
 /// Moves `input` to the chosen part, and notes the others' names.
-void choose_part(OIIO::ImageInput& input, const ImageChoice& choice, const std::string& path,
-                 std::vector<std::string>& not_read) {
+ImagePart choose_part(ImageInput& input, const ImageChoice& choice, const std::string& path,
+                      std::vector<std::string>& not_read) {
     std::vector<std::string> names;
     int chosen = choice.part.empty() ? 0 : -1;
-    for (int i = 0; input.seek_subimage(i, 0); ++i) {
-        names.push_back(part_name(input.spec(), i));
+    for (int i = 0; const auto part = input.part(i); ++i) {
+        names.push_back(part->name.empty() ? std::to_string(i) : part->name);
         if (chosen < 0 && (names.back() == choice.part || std::to_string(i) == choice.part)) {
             chosen = i;
         }
     }
-    (void)input.geterror();  // clears it: having no further part is no error
     if (chosen < 0) {
         throw Error::bad_input(path, fmt::format("has no part '{}'; its parts are {}", choice.part,
                                                  fmt::join(names, ", ")));
     }
-    if (!input.seek_subimage(chosen, 0)) {
-        throw Error::bad_input(path, "is damaged or cut short: " + input.geterror());
-    }
+    std::optional<ImagePart> part = input.part(chosen);
+    if (!part) throw Error::bad_input(path, "is damaged or cut short");
     for (std::size_t i = 0; i < names.size(); ++i) {
         if (static_cast<int>(i) != chosen) not_read.push_back("part '" + names[i] + "'");
     }
+    return *part;
 }
 
 ReadImage read_file(const std::string& path, const ImageChoice& choice) {
     ReadImage read;
     const auto input = open(path);
-    choose_part(*input, choice, path, read.not_read);
-    const OIIO::ImageSpec spec = input->spec();
-    expect_whole_flat_image(spec, path);
-    for (const std::string& layer : layers_of(spec)) {
+    const ImagePart part = choose_part(*input, choice, path, read.not_read);
+    expect_whole_flat_image(part, path);
+    for (const std::string& layer : layers_of(part)) {
         if (layer != choice.layer) read.not_read.push_back("layer '" + layer + "'");
     }
     const std::string prefix = choice.layer.empty() ? std::string() : choice.layer + ".";
-    const Channels color = color_channels(spec, prefix, path);
+    const Channels color = color_channels(part, prefix, path);
     Channels variance{};
     const bool noisy =
-        find_channels(spec, {prefix + "variance.R", prefix + "variance.G", prefix + "variance.B"},
+        find_channels(part, {prefix + "variance.R", prefix + "variance.G", prefix + "variance.B"},
                       path, variance);
 
-    const auto channels = static_cast<std::size_t>(spec.nchannels);
-    std::vector<float> values(static_cast<std::size_t>(spec.width) *
-                              static_cast<std::size_t>(spec.height) * channels);
-    if (!input->read_image(input->current_subimage(), 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT,
-                           values.data())) {
-        throw Error::bad_input(path, "is damaged or cut short: " + input->geterror());
-    }
-    read.encoding = spec.format.c_str();
-    read.attributes = own_attributes(spec);
-    read.image.width = static_cast<std::uint32_t>(spec.width);
-    read.image.height = static_cast<std::uint32_t>(spec.height);
-    read.image.mean = extract(values, channels, color, decoding_power(spec));
+    const std::size_t channels = part.channels.size();
+    std::vector<float> values;
+    const std::string why = input->read(values);
+    if (!why.empty()) throw Error::bad_input(path, why);
+    read.encoding = part.encoding;
+    read.attributes = part.attributes;
+    read.image.width = static_cast<std::uint32_t>(part.pixels.width);
+    read.image.height = static_cast<std::uint32_t>(part.pixels.height);
+    read.image.mean = extract(values, channels, color, decoding_power(part));
     if (noisy) read.image.variance = extract(values, channels, variance, kLinear);
-    read.image.samples = count_of(spec, "scotty:samples", 0, path);
-    read.image.paths_per_sample = count_of(spec, "scotty:paths_per_sample", 1, path);
+    read.image.samples = count_of(part, "scotty:samples", 0, path);
+    read.image.paths_per_sample = count_of(part, "scotty:paths_per_sample", 1, path);
     return read;
 }
 
@@ -249,10 +236,10 @@ ReadImage from_array(std::span<const float> values, std::size_t width, std::size
     return read;
 }
 
-/// What `scotty-gpu run --image X.npy` writes beside it: X.variance.npy, and the samples in X.json.
+/// What write_picture_arrays() puts beside it.
 void read_noise_beside(const std::string& path, ReadImage& read) {
-    const fs::path variance = fs::path(path).replace_extension(".variance.npy");
-    const fs::path about = fs::path(path).replace_extension(".json");
+    const fs::path variance = variance_file(path);
+    const fs::path about = about_file(path);
     std::error_code ignored;
     if (!fs::exists(variance, ignored) || !fs::exists(about, ignored)) return;
     const NpyArray array = read_npy(variance);
@@ -265,7 +252,12 @@ void read_noise_beside(const std::string& path, ReadImage& read) {
     }
     const auto values = array.get<float>();
     read.image.variance = extract({values.begin(), values.end()}, 3, {0, 1, 2}, kLinear);
-    read.image.samples = unsigned_member(about.string(), read_json(about), "samples", 1u << 20);
+    const nlohmann::json facts = read_json(about);
+    read.image.samples = unsigned_member(about.string(), facts, "samples", 1u << 20);
+    for (const auto& [name, value] : facts.items()) {
+        read.attributes["scotty:" + name] =
+            value.is_string() ? value.get<std::string>() : value.dump();
+    }
 }
 
 ReadImage read_array(const std::string& path) {

@@ -25,11 +25,11 @@ struct ImageChoice {
 };
 
 /// Reads whatever OpenImageIO reads, NumPy's .npy of shape [height, width, 3] (which `scotty-gpu
-/// run --image` writes), and the last image of a capture's folder. Channels are found by name: R,
-/// G, B, or Y alone for grey; variance.R, variance.G, variance.B if a file has them; all others,
-/// alpha too, are ignored. Integers are taken to be sRGB unless the file says that they are linear.
-/// Throws bad_input naming the file: missing, not an image, cut short, other channels, no such part
-/// or layer, only a part of its picture, deep.
+/// run --image` and `scotty render` write), and the last image of a capture's folder. Channels are
+/// found by name: R, G, B, or Y alone for grey; variance.R, variance.G, variance.B if a file has
+/// them; all others, alpha too, are ignored. Integers are taken to be sRGB unless the file says
+/// that they are linear. Throws bad_input naming the file: missing, not an image, cut short, other
+/// channels, no such part or layer, only a part of its picture, deep.
 ReadImage read_image(const std::string& path, const ImageChoice& choice = {});
 
 /// Whether a word of the command line names an image and not a capture or a scene: its extension is

@@ -1,6 +1,5 @@
 #include "verify/pages/page_arrays.h"
 
-#include <OpenImageIO/strutil.h>
 #include <fmt/format.h>
 #include <xxhash.h>
 #include <zlib.h>
@@ -10,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "reference/base/error.h"
+#include "verify/pages/base64.h"
 
 namespace scotty::verify {
 namespace {
@@ -69,7 +69,7 @@ std::uint32_t PageArrays::add(const char* type, std::string bytes, std::size_t c
 
 bool PageArrays::close(std::size_t room) {
     std::string text;
-    if (!fresh_.empty()) text = OIIO::Strutil::base64_encode(compressed(open_));
+    if (!fresh_.empty()) text = base64(compressed(open_));
     const bool fits = text.size() <= room;
     if (!fits) {
         arrays_.resize(arrays_.size() - fresh_.size());

@@ -109,7 +109,7 @@ class Onlookers {
 void write_picture(const RenderOutput& output, const PipelineParameters& p, const Image& image,
                    std::uint32_t samples) {
     const bool filtered = p.filter != reference::Filter::none && samples < p.filter_threshold;
-    if (std::filesystem::path(output.file).extension() != ".exr") {
+    if (std::filesystem::path(output.file).extension() == ".png") {
         write_image(image, output.file, output.exposure);
         return;
     }

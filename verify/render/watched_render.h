@@ -11,15 +11,16 @@ namespace scotty::verify {
 
 /// Where a picture goes.
 struct RenderOutput {
-    std::string file;  ///< .exr or .png
+    std::string file;  ///< .exr, .png or .npy
     float exposure = 0.0f;
     std::string display;  ///< HOST:PORT of a viewer; empty: none
-    /// What an EXR says about where it comes from.
+    /// What an EXR, or the .json beside an .npy, says about where it comes from.
     std::map<std::string, std::string> provenance = {};
 };
 
-/// An EXR has the variance of each pixel, how many paths a pixel has, and `output.provenance`,
-/// unless a filter mixed pixels: `scotty diff` judges it by that. Throws as write_image() does.
+/// An EXR or .npy has the variance of each pixel, how many paths a pixel has, and
+/// `output.provenance`, unless a filter mixed pixels: `scotty diff` judges it by that. Throws as
+/// write_image() does.
 void write_picture(const RenderOutput& output, const reference::PipelineParameters& parameters,
                    const reference::Image& image, std::uint32_t samples);
 

@@ -1,12 +1,12 @@
 #include "verify/report/report_images.h"
 
-#include <OpenImageIO/strutil.h>
 #include <fmt/format.h>
 
 #include <bit>
 #include <nlohmann/json.hpp>
 
 #include "verify/images/image_json.h"
+#include "verify/pages/base64.h"
 
 namespace scotty::verify {
 namespace {
@@ -28,7 +28,7 @@ struct EncodedPlane {
                 }
             }
         }
-        base64 = OIIO::Strutil::base64_encode(bytes);
+        base64 = verify::base64(bytes);
     }
 };
 

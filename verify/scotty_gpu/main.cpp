@@ -19,6 +19,7 @@
 #include "reference/contract/parameter_table.h"
 #include "verify/capture/capture_writer.h"
 #include "verify/capture/npy.h"
+#include "verify/capture/picture_arrays.h"
 #include "verify/capture/pipeline_input.h"
 #include "verify/capture/ray_file.h"
 
@@ -139,24 +140,15 @@ int run(const RunOptions& options) {
         std::printf("%s: %zu stages\n", options.capture.c_str(), writer.stage_count());
     }
     if (!options.image.empty()) {
-        const std::size_t shape[] = {image.height, image.width, 3};
-        verify::write_npy(options.image, reference::ElementType::float32, shape,
-                          image.pixels.data(), image.pixels.size() * sizeof(reference::Vec3));
+        verify::write_picture_arrays(options.image, image,
+                                     {{"scene", input.scene.name},
+                                      {"backend", "cuda"},
+                                      {"samples", input.parameters.spp},
+                                      {"parameters", verify::to_json(input.parameters)}});
         std::printf("%s: %u x %u, radiance\n", options.image.c_str(), image.width, image.height);
         if (!image.variance.empty()) {
-            const std::string file =
-                std::filesystem::path(options.image).replace_extension(".variance.npy").string();
-            verify::write_npy(file, reference::ElementType::float32, shape, image.variance.data(),
-                              image.variance.size() * sizeof(reference::Vec3));
-            nlohmann::ordered_json about{{"scene", input.scene.name},
-                                         {"backend", "cuda"},
-                                         {"samples", input.parameters.spp},
-                                         {"parameters", verify::to_json(input.parameters)}};
-            reference::write_file(
-                std::filesystem::path(options.image).replace_extension(".json").string(),
-                about.dump(2) + "\n");
-            std::printf("%s: the variance of each mean of %u samples\n", file.c_str(),
-                        input.parameters.spp);
+            std::printf("%s: the variance of each mean of %u samples\n",
+                        verify::variance_file(options.image).c_str(), input.parameters.spp);
         }
     }
     return 0;

@@ -1,7 +1,6 @@
 /// The command as a user runs it: exit codes, what goes to which stream, clean JSON.
 ///
-/// The real program is run, but for the long table of bad input: starting it maps the 250 libraries
-/// behind OpenImageIO, a third of a second each time.
+/// The real program is run, but for the long table of bad input.
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>

@@ -72,7 +72,7 @@ TEST_CASE("image file: a name or folder that will not do is refused, nothing is 
           "[verify][image]") {
     const tests::TemporaryFolder folder;
     CHECK_THROWS_WITH(verify::write_image(gradient(), folder.file("a.jpeg")),
-                      Contains("a.jpeg") && Contains(".exr or .png"));
+                      Contains("a.jpeg") && Contains(".exr, .png or .npy"));
     CHECK_THROWS_WITH(verify::check_image_path(folder.file("no/such/a.png")),
                       Contains("does not exist"));
     fs::create_directories(folder / "taken.png");

@@ -242,6 +242,33 @@ TEST_CASE("image reading: a missing, foreign, empty or half-written file is refu
     }
 }
 
+TEST_CASE("image reading: an array comes back with the noise and the facts beside it",
+          "[verify][image]") {
+    const TemporaryFolder folder;
+    verify::MeasuredImage image = noisy_image();
+    for (std::vector<verify::Color>* colors : {&image.mean, &image.variance}) {
+        for (verify::Color& color : *colors) {
+            for (double& value : color) value = static_cast<float>(value);
+        }
+    }
+    const std::string file = folder.file("a.npy");
+    verify::write_measured_image(
+        image, file, {{"scotty:scene", "coil"}, {"scotty:parameters", R"({"seed": 7})"}});
+    const verify::ReadImage read = read_image(file);
+    CHECK(read.image.mean == image.mean);
+    CHECK(read.image.variance == image.variance);
+    CHECK(read.image.samples == 256);
+    CHECK(read.attributes.at("scotty:scene") == "coil");
+    CHECK(read.attributes.at("scotty:parameters") == R"({"seed":7})");
+
+    image.variance.clear();  // what was there before is not this picture's
+    verify::write_measured_image(image, file);
+    CHECK(read_image(file).image.variance.empty());
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
+        CHECK(entry.path().extension() != ".unfinished");
+    }
+}
+
 TEST_CASE("image reading: a bit flipped in the pixels of an EXR is noticed", "[verify][image]") {
     const TemporaryFolder folder;
     verify::write_measured_image(smooth_image(61, 47), folder.file("a.exr"));
