@@ -53,6 +53,9 @@ class LaunchLog {
         return view;
     }
     void show(const reference::StageView& view) { observer_->on_stage(view); }
+    void batch(std::uint64_t done, std::uint64_t count) {
+        if (observer_ != nullptr) observer_->on_batch(done, count);
+    }
     void retry(const std::string& stage, const std::string& reason) {
         if (observer_ != nullptr) observer_->on_retry(stage, reason);
     }

@@ -152,7 +152,11 @@ reference::Image Pipeline::State::render() {
     const reference::BatchPlan plan(parameters_);
     StagePlace place;
     place.several_batches = plan.size() > 1;
-    for (; place.batch < plan.size(); ++place.batch) render_batch(place, plan[place.batch]);
+    for (; place.batch < plan.size(); ++place.batch) {
+        log_.batch(place.batch, plan.size());
+        render_batch(place, plan[place.batch]);
+    }
+    log_.batch(plan.size(), plan.size());
     const bool filters =
         parameters_.filter != Filter::none && parameters_.spp < parameters_.filter_threshold;
     if (filters) launch_filter();

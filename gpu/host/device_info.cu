@@ -17,6 +17,8 @@ std::optional<DeviceInfo> find_device() {
     info.compute_major = properties.major;
     info.compute_minor = properties.minor;
     info.multiprocessors = properties.multiProcessorCount;
+    std::size_t total = 0;
+    if (cudaMemGetInfo(&info.free_bytes, &total) != cudaSuccess) cudaGetLastError();
     info.memory_bytes = properties.totalGlobalMem;
     cudaDriverGetVersion(&info.driver_version);
     cudaRuntimeGetVersion(&info.runtime_version);

@@ -91,4 +91,31 @@ std::vector<T> download(const T* device, std::size_t count, const char* name) {
     return host;
 }
 
+/// Host memory that the device copies to in one go. It is kept, as such memory is slow to get.
+template <class T>
+class PinnedMemory {
+ public:
+    PinnedMemory() = default;
+    ~PinnedMemory() { cudaFreeHost(memory_); }
+    PinnedMemory(const PinnedMemory&) = delete;
+    PinnedMemory& operator=(const PinnedMemory&) = delete;
+
+    std::vector<T> download(const T* device, std::size_t count, const char* name) {
+        if (count > capacity_) {
+            cudaFreeHost(memory_);
+            memory_ = nullptr;
+            capacity_ = 0;
+            check(cudaMallocHost(reinterpret_cast<void**>(&memory_), count * sizeof(T)), name);
+            capacity_ = count;
+        }
+        if (count == 0) return {};
+        check(cudaMemcpy(memory_, device, count * sizeof(T), cudaMemcpyDeviceToHost), name);
+        return {memory_, memory_ + count};
+    }
+
+ private:
+    T* memory_ = nullptr;
+    std::size_t capacity_ = 0;
+};
+
 }  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -57,7 +57,7 @@ class LaunchLog {
             records_.push_back(
                 {kind, place.batch, place.bounce, place.light, place.level, blocks, items, 0.0});
         }
-        if (observer_ != nullptr) {
+        if (observed() || wants(kind)) {
             check(cudaStreamSynchronize(stream), "running " + place.name(kind));
         }
     }
@@ -79,7 +79,7 @@ class LaunchLog {
     reference::StageObserver* exchange_observer(reference::StageObserver* observer) {
         return std::exchange(observer_, observer);
     }
-    bool observed() const { return observer_ != nullptr; }
+    bool observed() const { return observer_ != nullptr && observer_->follows_launches(); }
     bool wants(reference::StageKind kind) const {
         return observer_ != nullptr && observer_->wants(kind);
     }
@@ -98,6 +98,11 @@ class LaunchLog {
         return view;
     }
     void show(const reference::StageView& view) { observer_->on_stage(view); }
+    void batch(std::uint64_t done, std::uint64_t count, cudaStream_t stream) {
+        if (observer_ == nullptr) return;
+        check(cudaStreamSynchronize(stream), "running a batch");
+        observer_->on_batch(done, count);
+    }
     void retry(const std::string& stage, const std::string& reason) {
         if (observer_ != nullptr) observer_->on_retry(stage, reason);
     }

@@ -130,6 +130,7 @@ class DevicePipeline final : public Pipeline {
     Traversal traversal_;
     DeviceMemory<Ray> trace_rays_;
     DeviceMemory<Hit> trace_hits_;
+    PinnedMemory<Vec3> picture_;
 };
 
 reference::Image DevicePipeline::render() {
@@ -151,8 +152,8 @@ reference::Image DevicePipeline::render() {
     // Neighbours that a filter mixes share their noise: nothing is known of it.
     const bool known = !filters() && parameters_.spp > 1;
     return {parameters_.image_width, parameters_.image_height,
-            download(paths_.image.data(), pixels, "the image"),
-            download(paths_.variance.data(), known ? pixels : 0, "the image's variance")};
+            picture_.download(paths_.image.data(), pixels, "the image"),
+            picture_.download(paths_.variance.data(), known ? pixels : 0, "the image's variance")};
 }
 
 void DevicePipeline::render_in_batches() {
@@ -167,7 +168,11 @@ void DevicePipeline::render_in_batches() {
           "clearing the image");
     check(cudaMemsetAsync(paths_.variance.data(), 0, pixels * sizeof(Vec3), stream_.get()),
           "clearing the image's variance");
-    for (; place.batch < plan.size(); ++place.batch) render_batch(place, plan[place.batch]);
+    for (; place.batch < plan.size(); ++place.batch) {
+        log_.batch(place.batch, plan.size(), stream_.get());
+        render_batch(place, plan[place.batch]);
+    }
+    log_.batch(plan.size(), plan.size(), stream_.get());
     if (filters()) launch_filter();
     check(cudaStreamSynchronize(stream_.get()), "rendering");
 }

@@ -24,6 +24,7 @@ struct DeviceInfo {
     int compute_minor = 0;
     int multiprocessors = 0;
     std::size_t memory_bytes = 0;
+    std::size_t free_bytes = 0;  ///< of it, as this was asked for
     int driver_version = 0;
     int runtime_version = 0;
 };

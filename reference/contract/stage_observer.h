@@ -75,6 +75,12 @@ class StageObserver {
 
     /// False: the stage is not shown, which saves preparing it.
     virtual bool wants(StageKind) const { return true; }
+    /// False: the pipeline may take the way that it takes with no observer attached. It need not
+    /// wait for every launch, and what has no launch of its own on that way is not shown.
+    virtual bool follows_launches() const { return true; }
+    /// Before each batch of a render, when `done` of `count` are complete, and after the last.
+    /// May throw, which ends the render. A render that ran out of memory begins again at 0.
+    virtual void on_batch(std::uint64_t /*done*/, std::uint64_t /*count*/) {}
     /// After the launch. The views are valid during the call only.
     virtual void on_stage(const StageView& stage) = 0;
     /// Before a traversal is run again because a buffer had to grow ("grown and retried"): what was

@@ -101,6 +101,7 @@ Image render_with_embree(const Scene& scene, const PipelineParameters& parameter
                                                : static_cast<int>(threads));
     const BatchPlan plan(batched);
     for (std::uint32_t number = 0; number < plan.size(); ++number) {
+        if (observer != nullptr) observer->on_batch(number, plan.size());
         const BatchView batch = plan[number];
         const std::uint32_t end_sample = batch.first_sample + batch.samples;
         const auto add_samples = [&](const oneapi::tbb::blocked_range<std::uint32_t>& range) {
@@ -122,6 +123,7 @@ Image render_with_embree(const Scene& scene, const PipelineParameters& parameter
         });
         if (observer != nullptr) show_batch(*observer, number, batch, image);
     }
+    if (observer != nullptr) observer->on_batch(plan.size(), plan.size());
     if (batched.spp == 1) image.variance.clear();
     return image;
 }

@@ -87,13 +87,15 @@ Backend simt(const scotty::simt::SimtOptions& options) {
 #if defined(SCOTTY_HAS_CUDA)
 
 Backend cuda() {
-    if (!gpu::find_device()) {
+    const auto device = gpu::find_device();
+    if (!device) {
         throw Error::missing_environment(
             "back end cuda: no CUDA device on this machine (scotty doctor says what there is)");
     }
     Backend backend;
     backend.name = "cuda";
     backend.has_fast_arithmetic = true;
+    backend.free_memory = device->free_bytes;
     backend.make = [](const Scene& scene, const WideBvh& bvh, const PipelineParameters& p,
                       const PipelineMaking& making) {
         return gpu::make_pipeline(scene, bvh, p, {.timings = making.timed}, making.observer);

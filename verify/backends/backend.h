@@ -23,6 +23,7 @@ struct PipelineMaking {
 struct Backend {
     std::string name;
     bool has_fast_arithmetic = false;
+    std::size_t free_memory = 0;  ///< bytes, of a device that has its own
     /// The pipeline for an input, which is borrowed and outlives it.
     std::function<std::unique_ptr<reference::PipelineInterface>(
         const reference::Scene&, const reference::WideBvh&, const reference::PipelineParameters&,

@@ -96,6 +96,15 @@ void Observers::on_stage(const StageView& stage) {
     }
 }
 
+bool Observers::follows_launches() const {
+    return std::any_of(observers_.begin(), observers_.end(),
+                       [](const auto* observer) { return observer->follows_launches(); });
+}
+
+void Observers::on_batch(std::uint64_t done, std::uint64_t count) {
+    for (auto* observer : observers_) observer->on_batch(done, count);
+}
+
 void Observers::on_retry(std::string_view stage, std::string_view reason) {
     for (auto* observer : observers_) observer->on_retry(stage, reason);
 }

@@ -60,6 +60,8 @@ class Observers : public reference::StageObserver {
     explicit Observers(std::vector<reference::StageObserver*> observers)
         : observers_(std::move(observers)) {}
     bool wants(reference::StageKind kind) const override;
+    bool follows_launches() const override;
+    void on_batch(std::uint64_t done, std::uint64_t count) override;
     void on_stage(const reference::StageView& stage) override;
     void on_retry(std::string_view stage, std::string_view reason) override;
 

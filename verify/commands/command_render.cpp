@@ -7,10 +7,12 @@
 #include <chrono>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "reference/base/error.h"
 #include "reference/contract/wide_bvh.h"
@@ -22,6 +24,7 @@
 #include "verify/commands/command.h"
 #include "verify/commands/options.h"
 #include "verify/images/image_file.h"
+#include "verify/render/render_defaults.h"
 #include "verify/render/tev_display.h"
 #include "verify/render/watched_render.h"
 
@@ -38,29 +41,22 @@ struct RenderOptions {
     bool progressive = false;
     std::size_t threads = 0;
     reference::PipelineParameters parameters;
+    std::function<bool(std::string_view)> is_given;  ///< an option, on the command line
 };
 
-/// Says which launch is running. Wants one cheap stage kind a bounce, so that nothing is prepared
-/// for it that is not shown.
+/// Says which batch is running.
 class ProgressObserver : public reference::StageObserver {
  public:
-    ProgressObserver(Progress& progress, const reference::PipelineParameters& p)
-        : progress_(progress) {
-        const std::uint64_t paths = std::uint64_t{p.image_width} * p.image_height * p.spp;
-        batches_ = (paths + p.batch_rays - 1) / p.batch_rays;
-    }
-    bool wants(reference::StageKind kind) const override {
-        return kind == reference::StageKind::scan_counts ||
-               kind == reference::StageKind::scene_rays;
-    }
-    void on_stage(const StageView& stage) override {
-        progress_.show(fmt::format("rendering: batch {} of about {}, {}", stage.batch + 1, batches_,
-                                   stage.name));
+    explicit ProgressObserver(Progress& progress) : progress_(progress) {}
+    bool wants(reference::StageKind) const override { return false; }
+    bool follows_launches() const override { return false; }
+    void on_stage(const StageView&) override {}
+    void on_batch(std::uint64_t done, std::uint64_t count) override {
+        progress_.show("rendering: " + batch_text(done, count));
     }
 
  private:
     Progress& progress_;
-    std::uint64_t batches_;
 };
 
 /// Embree's paths as one more back end, for pictures only.
@@ -74,11 +70,7 @@ Backend embree(std::size_t threads) {
 
 Image render(const Backend& backend, const PipelineInput& input) {
     Progress progress;
-    if (backend.name == "embree") {
-        progress.show("rendering with Embree");
-        return backend.render(input, nullptr);
-    }
-    ProgressObserver observer(progress, input.parameters);
+    ProgressObserver observer(progress);
     return backend.render(input, &observer);
 }
 
@@ -115,6 +107,7 @@ int run_render(RenderOptions options) {
     const Backend backend =
         by_embree ? embree(options.threads) : chosen_backend(options.backend, options.threads, p);
     if (!by_embree) expect_arithmetic(backend, p);
+    set_render_defaults(backend, p, options.is_given);
     std::optional<tbb::global_control> limit;
     if (options.threads != 0) {
         limit.emplace(tbb::global_control::max_allowed_parallelism, options.threads);
@@ -174,8 +167,12 @@ void add_render_command(CLI::App& app, Action& action) {
         "pixel, and scene, parameters, back end and version; PNG holds 8-bit sRGB of "
         "radiance * 2^exposure. NumPy's .npy holds linear radiance, with the variance in "
         "X.variance.npy and the rest in X.json beside it, and needs no library for images.\n\n"
-        "A progressive render is the same picture, bit for bit. Ctrl-C (or SIGTERM) ends it at the "
-        "next launch: FILE then holds the last pass that every pixel had, which is the picture of "
+        "Without --width, --queue-levels, --early-out, --hit-mode and --batch-rays each back end "
+        "takes "
+        "what is fastest for it; the picture is the same. A progressive render is the same "
+        "picture, "
+        "too, bit for bit. Ctrl-C (or SIGTERM) ends it at the next batch: FILE then holds the last "
+        "pass that every pixel had, which is the picture of "
         "that many --spp, and the exit code is 130 (143). A second Ctrl-C ends it at once; FILE is "
         "whole even so. --filter applies as long as there are fewer samples than "
         "--filter-threshold.");
@@ -219,8 +216,11 @@ void add_render_command(CLI::App& app, Action& action) {
         ->capture_default_str();
     add_thread_option(*command, options->threads);
     add_picture_options(*command, options->parameters);
-    add_pipeline_options(*command, options->parameters);
+    add_pipeline_options(*command, options->parameters, kBackendDefaults);
     add_arithmetic_option(*command, options->parameters);
+    options->is_given = [command](std::string_view option) {
+        return command->count(std::string(option)) != 0;
+    };
     command->callback([&action, options] { action = [options] { return run_render(*options); }; });
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
 #include <functional>
@@ -85,9 +86,9 @@ void parse_size(const std::string& text, PipelineParameters& parameters) {
         parse_integer<std::uint32_t>("--size", std::string_view(text).substr(cross + 1));
 }
 
-/// The option of a row of the table; the default is the value in `p`.
+/// The option of a row of the table; the default is the value in `p`, unless it has another name.
 void add_parameter(CLI::App& command, PipelineParameters& p, const reference::ParameterInfo& info,
-                   const std::string& group) {
+                   const std::string& group, const std::string& standard = {}) {
     const std::string type =
         info.words.empty() ? "N" : fmt::format("{}", fmt::join(info.words, "|"));
     add_word(
@@ -99,7 +100,8 @@ void add_parameter(CLI::App& command, PipelineParameters& p, const reference::Pa
                 throw Error::bad_input(std::string(info.option), error.what());
             }
         },
-        fmt::format("{} [{}]", info.help, text_of(info, p)), type, group);
+        fmt::format("{} [{}]", info.help, standard.empty() ? text_of(info, p) : standard), type,
+        group);
 }
 
 void add_picture_options(CLI::App& command, PipelineParameters& p) {
@@ -115,13 +117,16 @@ void add_picture_options(CLI::App& command, PipelineParameters& p) {
     add_parameter(command, p, parameter("max_leaf_size"), kPipeline);
 }
 
-void add_pipeline_options(CLI::App& command, PipelineParameters& p) {
+void add_pipeline_options(CLI::App& command, PipelineParameters& p,
+                          std::span<const std::string_view> of_backend) {
     using reference::parameter;
     for (const auto* info :
          {&parameter("width"), &parameter("rays_per_block"), &parameter("queue_levels"),
           &parameter("early_out"), &parameter("hit_mode"), &parameter("block_order"),
           &parameter("shadow_query"), &parameter("hit_capacity"), &parameter("batch_rays")}) {
-        add_parameter(command, p, *info, kPipeline);
+        const bool depends =
+            std::find(of_backend.begin(), of_backend.end(), info->option) != of_backend.end();
+        add_parameter(command, p, *info, kPipeline, depends ? "the back end's fastest" : "");
     }
 }
 

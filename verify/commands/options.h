@@ -2,7 +2,9 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "reference/contract/pipeline_parameters.h"
@@ -16,8 +18,10 @@ namespace scotty::verify {
 void add_picture_options(CLI::App& command, reference::PipelineParameters& parameters);
 
 /// --width, --rays-per-block, --early-out, --hit-mode, --block-order, --shadow-query,
-/// --hit-capacity, --batch-rays: how it is traced. One value each.
-void add_pipeline_options(CLI::App& command, reference::PipelineParameters& parameters);
+/// --hit-capacity, --batch-rays: how it is traced. One value each. Those of `of_backend` have
+/// a default that depends on the back end.
+void add_pipeline_options(CLI::App& command, reference::PipelineParameters& parameters,
+                          std::span<const std::string_view> of_backend = {});
 
 /// --arithmetic, where the back end can be chosen.
 void add_arithmetic_option(CLI::App& command, reference::PipelineParameters& parameters);

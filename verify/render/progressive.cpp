@@ -1,5 +1,7 @@
 #include "verify/render/progressive.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <span>
 #include <vector>
@@ -40,14 +42,11 @@ class Passes : public reference::StageObserver {
     Passes(const PipelineInput& input, const ProgressiveListener& listener)
         : input_(input), parameters_(input.parameters), listener_(listener) {}
 
-    /// scan_counts is small and there many times a traversal: a time to ask whether to stop.
-    bool wants(StageKind kind) const override {
-        return kind == StageKind::reconstruct_image || kind == StageKind::scan_counts;
-    }
-    void on_stage(const StageView& stage) override {
-        if (stage.kind == StageKind::reconstruct_image) follow(stage);
-        // What is as good as whole is not thrown away.
-        if (of_last_pixel_ < parameters_.spp && listener_.stops(stage.name)) throw Stopped{};
+    bool wants(StageKind kind) const override { return kind == StageKind::reconstruct_image; }
+    bool follows_launches() const override { return false; }
+    void on_stage(const StageView& stage) override { follow(stage); }
+    void on_batch(std::uint64_t done, std::uint64_t count) override {
+        if (done < count && listener_.stops(batch_text(done, count))) throw Stopped{};
     }
 
     std::uint32_t samples() const { return samples_; }
@@ -97,6 +96,10 @@ class Passes : public reference::StageObserver {
 };
 
 }  // namespace
+
+std::string batch_text(std::uint64_t done, std::uint64_t count) {
+    return fmt::format("batch {} of {}", std::min(done + 1, count), count);
+}
 
 ProgressiveImage render_progressively(const Backend& backend, const PipelineInput& input,
                                       const ProgressiveListener& listener) {

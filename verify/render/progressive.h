@@ -11,15 +11,18 @@
 
 namespace scotty::verify {
 
-/// Both are called by the thread that renders, between launches.
+/// Both are called by the thread that renders, between batches.
 struct ProgressiveListener {
     /// Every pixel has had so many samples, more than before. picture() makes the image that a
     /// render of that many gives, bit for bit, filter included; only while the call lasts.
     std::function<void(std::uint32_t samples, const std::function<reference::Image()>& picture)>
         on_pass;
-    /// What is being done, many times a second. True stops the render.
+    /// What is being done, before each batch. True stops the render.
     std::function<bool(const std::string& stage)> stops;
 };
+
+/// "batch 3 of 16", where two are done.
+std::string batch_text(std::uint64_t done, std::uint64_t count);
 
 struct ProgressiveImage {
     reference::Image image;     ///< of the last pass that was completed; empty where none was

@@ -93,6 +93,16 @@ cudaError_t cudaFree(void* memory) {
     return status();
 }
 
+cudaError_t cudaMallocHost(void** memory, std::size_t bytes) {
+    *memory = ::operator new (bytes, std::align_val_t{256});
+    return status();
+}
+
+cudaError_t cudaFreeHost(void* memory) {
+    ::operator delete (memory, std::align_val_t{256});
+    return status();
+}
+
 cudaError_t cudaMemcpy(void* to, const void* from, std::size_t bytes, cudaMemcpyKind) {
     if (status() != cudaSuccess) return status();
     if (bytes != 0 && (to == nullptr || from == nullptr)) return cudaErrorInvalidValue;
