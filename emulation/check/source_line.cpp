@@ -26,13 +26,14 @@ std::string output_of(const std::string& command) {
     return text;
 }
 
-/// Kernels and their host side in emulation/ and gpu/, and tests; not the code that they build on.
+/// Kernels, their host side and the stages' text that they share, and tests; not the code that they
+/// build on.
 bool is_kernel_text(std::string_view line) {
     const auto has = [&](std::string_view part) {
         return line.find(part) != std::string_view::npos;
     };
     if (has("gpu/") || has("tests/")) return true;
-    return has("emulation/kernels/") || has("emulation/host/");
+    return has("emulation/kernels/") || has("emulation/host/") || has("reference/stages/");
 }
 
 /// addr2line prints the address and then a line for each inlined call, innermost first.

@@ -1,16 +1,15 @@
-/// Launch bookkeeping on the device: checks, event times, and the observer.
+/// Launch bookkeeping on the device: checks and event times.
 #pragma once
 
 #include <cuda_runtime.h>
 
 #include <cstddef>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "gpu/host/cuda_error.h"
 #include "gpu/kernels/dialect.h"
-#include "reference/contract/launch_record.h"
+#include "reference/contract/stage_log.h"
 
 namespace SCOTTY_DEVICE_NAMESPACE {
 
@@ -20,10 +19,10 @@ inline std::uint32_t item_blocks(std::size_t items) {
     return static_cast<std::uint32_t>((items + kItemThreads - 1) / kItemThreads);
 }
 
-class LaunchLog {
+class LaunchLog : public reference::StageLog {
  public:
     LaunchLog(reference::StageObserver* observer, bool timings)
-        : observer_(observer), timings_(timings) {}
+        : StageLog(observer), timings_(timings) {}
     ~LaunchLog() {
         for (const Pending& launch : pending_) {
             cudaEventDestroy(launch.begin);
@@ -53,10 +52,7 @@ class LaunchLog {
             times.record = records_.size();
             pending_.push_back(times);
         }
-        if (keeps_records_) {
-            records_.push_back(
-                {kind, place.batch, place.bounce, place.light, place.level, blocks, items, 0.0});
-        }
+        if (keeps_records_) note(kind, place, blocks, items, 0.0);
         if (observed() || wants(kind)) {
             check(cudaStreamSynchronize(stream), "running " + place.name(kind));
         }
@@ -75,41 +71,8 @@ class LaunchLog {
         pending_.clear();
     }
 
-    /// Shows what follows to another observer, and hands back the one before.
-    reference::StageObserver* exchange_observer(reference::StageObserver* observer) {
-        return std::exchange(observer_, observer);
-    }
-    bool observed() const { return observer_ != nullptr && observer_->follows_launches(); }
-    bool wants(reference::StageKind kind) const {
-        return observer_ != nullptr && observer_->wants(kind);
-    }
-    reference::StageView stage(reference::StageKind kind, const reference::StagePlace& place,
-                               std::uint32_t blocks, std::uint32_t threads) const {
-        reference::StageView view;
-        view.name = place.name(kind);
-        view.kind = kind;
-        view.launch = static_cast<std::uint32_t>(records_.size() - 1);
-        view.batch = place.batch;
-        view.bounce = place.bounce;
-        view.light = place.light;
-        view.level = place.level;
-        view.blocks = blocks;
-        view.threads = threads;
-        return view;
-    }
-    void show(const reference::StageView& view) { observer_->on_stage(view); }
-    void batch(std::uint64_t done, std::uint64_t count, cudaStream_t stream) {
-        if (observer_ == nullptr) return;
-        check(cudaStreamSynchronize(stream), "running a batch");
-        observer_->on_batch(done, count);
-    }
-    void retry(const std::string& stage, const std::string& reason) {
-        if (observer_ != nullptr) observer_->on_retry(stage, reason);
-    }
-
     /// While off, launches are checked but not noted (inside repeated measurements).
     void keep_records(bool keep) { keeps_records_ = keep; }
-    std::vector<reference::LaunchRecord>& records() { return records_; }
 
  private:
     struct Pending {
@@ -117,11 +80,9 @@ class LaunchLog {
         cudaEvent_t end;
         std::size_t record;
     };
-    reference::StageObserver* observer_;
     bool timings_;
     bool keeps_records_ = true;
     std::vector<Pending> pending_;
-    std::vector<reference::LaunchRecord> records_;
 };
 
 }  // namespace SCOTTY_DEVICE_NAMESPACE

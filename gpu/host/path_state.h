@@ -7,6 +7,7 @@
 #include "gpu/host/device_memory.h"
 #include "gpu/kernels/dialect.h"
 #include "gpu/kernels/views.h"
+#include "reference/contract/path_buffers.h"
 #include "reference/contract/stage_inputs.h"
 
 namespace SCOTTY_DEVICE_NAMESPACE {
@@ -28,31 +29,15 @@ struct PathState {
           variance(budget),
           filtered(budget) {}
 
-    /// Calls f(handle, buffer) for every buffer that has a row per ray.
-    template <class F>
-    void for_each_by_ray(F&& f) {
-        namespace buffers = reference::buffers;
-        f(buffers::rays, rays);
-        f(buffers::shadow_rays, shadow_rays);
-        f(buffers::throughput, throughput);
-        f(buffers::radiance, radiance);
-        f(buffers::potential, potential);
-        f(buffers::pixel, pixel);
-        f(buffers::sample, sample);
-        f(buffers::depth, depth);
-        f(buffers::flags, flags);
-        f(buffers::path_hits, path_hits);
-        f(buffers::shadow_hits, shadow_hits);
-    }
     void resize(std::size_t count) {
-        for_each_by_ray(
-            [&](const auto& of, auto& buffer) { buffer.resize(count, of.name.data()); });
+        reference::for_each_by_ray(
+            *this, [&](const auto& of, auto& buffer) { buffer.resize(count, of.name.data()); });
     }
     /// What the stage, which is run alone, reads is taken from its view; the rest has the size of
     /// it, filled with 0xff bytes, so that what the kernel leaves alone shows.
     void load(const reference::StageView& stage, std::size_t count) {
         const reference::StageBuffers in(stage);
-        for_each_by_ray([&](const auto& of, auto& buffer) {
+        reference::for_each_by_ray(*this, [&](const auto& of, auto& buffer) {
             if (reference::reads(stage.kind, of)) {
                 buffer.upload(in.input(of, count), of.name.data());
             } else {
@@ -62,16 +47,9 @@ struct PathState {
         });
     }
     void release() {
-        for_each_by_ray([](const auto&, auto& buffer) { buffer.release(); });
-        image.release();
-        variance.release();
-        filtered.release();
+        reference::for_each_path_buffer(*this, [](const auto&, auto& buffer) { buffer.release(); });
     }
     std::uint32_t count() const { return static_cast<std::uint32_t>(rays.size()); }
-    PathView view() const {
-        return {rays.data(),  throughput.data(), radiance.data(), potential.data(),
-                pixel.data(), sample.data(),     depth.data(),    flags.data()};
-    }
 
     DeviceMemory<reference::Ray> rays, shadow_rays;
     DeviceMemory<reference::Vec3> throughput, radiance, potential;
@@ -83,17 +61,13 @@ struct PathState {
 /// Copies buffers to the host on demand; the views stay valid as long as this lives.
 class HostPathState {
  public:
-    explicit HostPathState(PathState& device) : device_(device) {}
+    explicit HostPathState(const PathState& device) : device_(device) {}
 
     reference::BufferView view(const reference::BufferInfo& wanted) {
         reference::BufferView result;
-        const auto copy = [&](const auto& of, auto& buffer) {
+        reference::for_each_path_buffer(device_, [&](const auto& of, const auto& buffer) {
             if (of.name == wanted.name) result = copied(of, buffer);
-        };
-        device_.for_each_by_ray(copy);
-        copy(reference::buffers::image, device_.image);
-        copy(reference::buffers::variance, device_.variance);
-        copy(reference::buffers::filtered, device_.filtered);
+        });
         return result;
     }
 
@@ -106,7 +80,7 @@ class HostPathState {
         return reference::buffer_view(of, std::span<const T>(*host));
     }
 
-    PathState& device_;
+    const PathState& device_;
     std::vector<std::shared_ptr<void>> kept_;
 };
 

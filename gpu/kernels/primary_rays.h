@@ -4,7 +4,7 @@
 
 #include "gpu/kernels/dialect.h"
 #include "gpu/kernels/views.h"
-#include "reference/numerics/path.h"
+#include "reference/stages/path_stages.h"
 
 namespace SCOTTY_DEVICE_NAMESPACE {
 
@@ -16,15 +16,8 @@ SCOTTY_KERNEL(primary_rays)
     for (std::uint32_t i = thread_index(); i < pixels * batch.samples; i += block_size()) {
         const std::uint32_t ray_id = first * batch.samples + i;
         const std::uint32_t pixel = batch.first_pixel + first + i / batch.samples;
-        const std::uint32_t sample = batch.first_sample + i % batch.samples;
-        paths.rays[ray_id] = reference::primary_ray(camera, parameters, pixel, sample);
-        paths.throughput[ray_id] = reference::Vec3(1.0f, 1.0f, 1.0f);
-        paths.radiance[ray_id] = reference::Vec3(0.0f, 0.0f, 0.0f);
-        paths.potential[ray_id] = reference::Vec3(0.0f, 0.0f, 0.0f);
-        paths.pixel[ray_id] = pixel;
-        paths.sample[ray_id] = sample;
-        paths.depth[ray_id] = 0;
-        paths.flags[ray_id] = reference::kPathAlive;
+        reference::start_path(camera, parameters, pixel, batch.first_sample + i % batch.samples,
+                              paths, ray_id);
     }
     SCOTTY_RETURN;
 }

@@ -3,7 +3,7 @@
 
 #include "gpu/kernels/dialect.h"
 #include "gpu/kernels/views.h"
-#include "reference/numerics/pixel_sums.h"
+#include "reference/stages/reconstruct_pixel.h"
 
 namespace SCOTTY_DEVICE_NAMESPACE {
 
@@ -13,17 +13,9 @@ SCOTTY_KERNEL(reconstruct_image)
     const std::uint32_t pixel_in_batch = block_index() * block_size() + thread_index();
     if (pixel_in_batch >= batch.pixels) SCOTTY_RETURN;
     const std::uint32_t pixel = batch.first_pixel + pixel_in_batch;
-    reference::PixelSums sums;
-    if (batch.first_sample != 0) sums = {image[pixel], variance[pixel]};
-    for (std::uint32_t i = 0; i < batch.samples; ++i) {
-        reference::add_sample(sums, batch.first_sample + i,
-                              radiance[pixel_in_batch * batch.samples + i]);
-    }
-    if (batch.first_sample + batch.samples == total_samples) {
-        reference::finish(sums, total_samples);
-    }
-    image[pixel] = sums.image;
-    variance[pixel] = sums.variance;
+    reference::reconstruct_pixel(
+        batch, total_samples, radiance + static_cast<std::size_t>(pixel_in_batch) * batch.samples,
+        image[pixel], variance[pixel]);
 }
 
 }  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -3,7 +3,7 @@
 
 #include "gpu/kernels/dialect.h"
 #include "gpu/kernels/views.h"
-#include "reference/numerics/path.h"
+#include "reference/stages/path_stages.h"
 
 namespace SCOTTY_DEVICE_NAMESPACE {
 
@@ -12,16 +12,7 @@ SCOTTY_KERNEL(scene_rays)
  std::uint32_t bounce, const reference::Hit* path_hits, PathView paths) {
     const std::uint32_t ray_id = block_index() * block_size() + thread_index();
     if (ray_id >= count) SCOTTY_RETURN;
-    const reference::Scattered next = reference::scatter(
-        scene, parameters, bounce, paths.rays[ray_id], path_hits[ray_id], paths.throughput[ray_id],
-        paths.flags[ray_id],
-        reference::random4(parameters.seed, paths.pixel[ray_id], paths.sample[ray_id], bounce,
-                           static_cast<std::uint32_t>(reference::Dimension::scatter)));
-    paths.radiance[ray_id] += next.emitted;
-    paths.rays[ray_id] = next.ray;
-    paths.throughput[ray_id] = next.throughput;
-    paths.flags[ray_id] = next.flags;
-    if ((next.flags & reference::kPathAlive) != 0) ++paths.depth[ray_id];
+    reference::advance_path(scene, parameters, bounce, path_hits[ray_id], paths, ray_id);
 }
 
 }  // namespace SCOTTY_DEVICE_NAMESPACE

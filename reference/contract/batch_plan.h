@@ -7,6 +7,7 @@
 
 #include <cstdint>
 
+#include "reference/contract/launch_record.h"
 #include "reference/contract/pipeline_parameters.h"
 #include "reference/contract/views.h"
 
@@ -31,5 +32,19 @@ class BatchPlan {
     std::uint32_t at_once_;  ///< pixels of a batch, at most
     std::uint64_t bands_;
 };
+
+/// Calls f(place, batch) for the batches of a render, in their order, and announce(done, count)
+/// before each and after the last.
+template <class Announce, class F>
+void for_each_batch(const PipelineParameters& parameters, const Announce& announce, const F& f) {
+    const BatchPlan plan(parameters);
+    StagePlace place;
+    place.several_batches = plan.size() > 1;
+    for (; place.batch < plan.size(); ++place.batch) {
+        announce(place.batch, plan.size());
+        f(place, plan[place.batch]);
+    }
+    announce(plan.size(), plan.size());
+}
 
 }  // namespace scotty::reference

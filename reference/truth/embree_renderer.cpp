@@ -9,8 +9,8 @@
 
 #include "reference/contract/batch_plan.h"
 #include "reference/numerics/intersect_triangle.h"
-#include "reference/numerics/path.h"
-#include "reference/numerics/pixel_sums.h"
+#include "reference/stages/path_stages.h"
+#include "reference/stages/reconstruct_pixel.h"
 #include "reference/truth/coincident.h"
 
 namespace scotty::reference {
@@ -30,34 +30,34 @@ Hit closest_hit(const SceneView& scene, const EmbreeTracer& tracer,
     return coincident.seen(ray, found);
 }
 
+/// The state of one path, as the stages' text wants it.
+struct Path {
+    Ray ray;
+    Vec3 throughput, radiance, potential;
+    std::uint32_t pixel, sample, depth, flags;
+
+    PathView view() {
+        return {&ray, &throughput, &radiance, &potential, &pixel, &sample, &depth, &flags};
+    }
+};
+
 Vec3 trace_path(const SceneView& scene, const PathParameters& parameters,
                 const EmbreeTracer& tracer, const CoincidentTriangles& coincident,
                 std::uint32_t pixel, std::uint32_t sample) {
-    Vec3 radiance(0.0f, 0.0f, 0.0f);
-    Vec3 throughput(1.0f, 1.0f, 1.0f);
-    std::uint32_t flags = kPathAlive;
-    Ray ray = primary_ray(scene.camera, parameters, pixel, sample);
+    Path path;
+    const PathView view = path.view();
+    start_path(scene.camera, parameters, pixel, sample, view, 0);
     for (std::uint32_t bounce = 0; bounce <= parameters.bounces; ++bounce) {
-        const Hit hit = closest_hit(scene, tracer, coincident, ray);
+        const Hit hit = closest_hit(scene, tracer, coincident, path.ray);
         for (std::uint32_t light = 0; light < parameters.light_samples && is_hit(hit); ++light) {
-            const DirectLight direct =
-                sample_direct_light(scene, parameters, ray, hit, throughput,
-                                    random4(parameters.seed, pixel, sample, bounce,
-                                            static_cast<std::uint32_t>(Dimension::light) + light));
-            if (!is_dead(direct.shadow) && !tracer.occluded(direct.shadow)) {
-                radiance += direct.potential;
-            }
+            Ray shadow;
+            ask_for_light(scene, parameters, bounce, light, hit, view, 0, shadow);
+            if (!is_dead(shadow) && !tracer.occluded(shadow)) path.radiance += path.potential;
         }
-        const Scattered next = scatter(scene, parameters, bounce, ray, hit, throughput, flags,
-                                       random4(parameters.seed, pixel, sample, bounce,
-                                               static_cast<std::uint32_t>(Dimension::scatter)));
-        radiance += next.emitted;
-        ray = next.ray;
-        throughput = next.throughput;
-        flags = next.flags;
-        if ((flags & kPathAlive) == 0) break;
+        advance_path(scene, parameters, bounce, hit, view, 0);
+        if ((path.flags & kPathAlive) == 0) break;
     }
-    return radiance;
+    return path.radiance;
 }
 
 void show_batch(StageObserver& observer, std::uint32_t number, const BatchView& batch,
@@ -99,21 +99,19 @@ Image render_with_embree(const Scene& scene, const PipelineParameters& parameter
                 std::vector<Vec3>(pixels, Vec3(0.0f, 0.0f, 0.0f))};
     oneapi::tbb::task_arena arena(threads == 0 ? oneapi::tbb::task_arena::automatic
                                                : static_cast<int>(threads));
-    const BatchPlan plan(batched);
-    for (std::uint32_t number = 0; number < plan.size(); ++number) {
-        if (observer != nullptr) observer->on_batch(number, plan.size());
-        const BatchView batch = plan[number];
-        const std::uint32_t end_sample = batch.first_sample + batch.samples;
+    const auto announce = [&](std::uint64_t done, std::uint64_t count) {
+        if (observer != nullptr) observer->on_batch(done, count);
+    };
+    for_each_batch(batched, announce, [&](const StagePlace& place, const BatchView& batch) {
         const auto add_samples = [&](const oneapi::tbb::blocked_range<std::uint32_t>& range) {
+            std::vector<Vec3> radiance(batch.samples);
             for (std::uint32_t pixel = range.begin(); pixel != range.end(); ++pixel) {
-                PixelSums sums{image.pixels[pixel], image.variance[pixel]};
-                for (std::uint32_t sample = batch.first_sample; sample < end_sample; ++sample) {
-                    add_sample(sums, sample,
-                               trace_path(view, path, tracer, coincident, pixel, sample));
+                for (std::uint32_t i = 0; i < batch.samples; ++i) {
+                    radiance[i] =
+                        trace_path(view, path, tracer, coincident, pixel, batch.first_sample + i);
                 }
-                if (end_sample == batched.spp) finish(sums, batched.spp);
-                image.pixels[pixel] = sums.image;
-                image.variance[pixel] = sums.variance;
+                reconstruct_pixel(batch, batched.spp, radiance.data(), image.pixels[pixel],
+                                  image.variance[pixel]);
             }
         };
         arena.execute([&] {
@@ -121,9 +119,8 @@ Image render_with_embree(const Scene& scene, const PipelineParameters& parameter
                                           batch.first_pixel, batch.first_pixel + batch.pixels, 64),
                                       add_samples);
         });
-        if (observer != nullptr) show_batch(*observer, number, batch, image);
-    }
-    if (observer != nullptr) observer->on_batch(plan.size(), plan.size());
+        if (observer != nullptr) show_batch(*observer, place.batch, batch, image);
+    });
     if (batched.spp == 1) image.variance.clear();
     return image;
 }

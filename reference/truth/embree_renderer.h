@@ -9,12 +9,13 @@
 
 namespace scotty::reference {
 
-/// Renders path by path: the same random numbers and shading, in a plain loop, with Embree finding
-/// the primitives. No queues, no levels, no batches: what it shares with the pipelines are the
-/// functions of path.h. Where Embree and we name the same primitive the distance and barycentrics
-/// are ours, so the image is equal bit for bit except in pixels where Embree sees another hit.
-/// Filters are not applied. `threads` 0: all. With an observer the render goes in batches as a
-/// pipeline's does, and each is shown as a reconstruct_image that has the buffers pixel and image.
+/// Renders path by path: the same text of the shading stages (reference/stages/), in a plain loop,
+/// with Embree finding the primitives. No queues, no levels, no kernels. It judges traversal and
+/// scheduling; a fault in the stages' text is a fault of this renderer, too. Where Embree and we
+/// name the same primitive the distance and barycentrics are ours, so the image is equal bit for
+/// bit except in pixels where Embree sees another hit. Filters are not applied. `threads` 0: all.
+/// With an observer the render goes in batches as a pipeline's does, and each is shown as a
+/// reconstruct_image that has the buffers pixel and image.
 Image render_with_embree(const Scene& scene, const PipelineParameters& parameters,
                          const EmbreeTracer& tracer, std::size_t threads = 0,
                          StageObserver* observer = nullptr);

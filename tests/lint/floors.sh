@@ -27,8 +27,12 @@ found=$(git ls-files -z -- '*.h' '*.cpp' '*.cu' ':!tests' | xargs -0 awk -v list
         split($0, quoted, "\"")
         other = room_of(quoted[2])
         if (!(other in floor)) next # generated, or beside the file
-        if ((folder_of(FILENAME), folder_of(quoted[2])) in never)
-            print FILENAME ":" FNR ": includes " quoted[2] ", but " folder_of(FILENAME) "/ never includes " folder_of(quoted[2]) "/"
+        folder = folder_of(FILENAME)
+        if ((folder, folder_of(quoted[2])) in never) banned = folder_of(quoted[2])
+        else if ((folder, other) in never) banned = other
+        else banned = ""
+        if (banned != "")
+            print FILENAME ":" FNR ": includes " quoted[2] ", but " folder "/ never includes " banned "/"
         else if (floor[other] > floor[room])
             print FILENAME ":" FNR ": includes " quoted[2] ", which is on a higher floor than " room "/"
     }')

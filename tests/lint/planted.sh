@@ -78,6 +78,11 @@ echo '#include "reference/truth/tracers.h"' >>reference/base/length.h
 fails_naming 'reference/base/length.h:3: includes reference/truth/tracers.h' floors.sh
 echo '#include "gpu/kernels/dialect.h"' >>reference/base/length.h
 fails_naming 'reference/base/length.h:3: includes gpu/kernels/dialect.h' floors.sh
+mkdir -p verify/base
+echo '#include "reference/stages/filters.h"' >verify/base/judge.h
+git add -f verify
+fails_naming 'verify/base/judge.h:1: includes reference/stages/filters.h, but verify/ never includes reference/stages/' floors.sh
+git rm -q -f --cached -r verify && rm -rf verify
 echo "\`reference/base/gone.h\`" >docs/architecture.md
 fails_naming reference/base/gone.h architecture.sh
 echo "#pragma once" >reference/stray.h

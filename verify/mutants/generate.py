@@ -118,7 +118,7 @@ def command_line(fault):
     if words[0] == "verify":
         return fault["run"]
     options = OPTIONS | dict(zip(words[1::2], words[2::2]))
-    kernels = "--backend simt --check " if fault["file"].startswith("gpu/") else ""
+    kernels = {"gpu": "--backend simt --check ", "reference": "--backend simt "}.get(fault["file"].split("/")[0], "")
     return f"verify {words[0]} {kernels}--no-golden " + " ".join(f"{key} {value}" for key, value in options.items())
 
 

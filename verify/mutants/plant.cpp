@@ -85,7 +85,7 @@ void plant(const std::string& name, const std::string& backend) {
                                            "registry.json)",
                                            name, found->unapplied));
     }
-    if (found->backend() != backend) {
+    if (!found->is_of(backend)) {
         throw Error::bad_input("--plant", fmt::format("{} is in {}: it needs --backend {}", name,
                                                       found->file, found->backend()));
     }

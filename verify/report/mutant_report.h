@@ -33,6 +33,10 @@ struct PlantedFault {
 
     /// Of the back end whose kernels have it.
     std::string backend() const { return file.starts_with("gpu/") ? "simt" : "emulator"; }
+    /// A fault in what the back ends share is in each of them.
+    bool is_of(const std::string& other) const {
+        return file.starts_with("reference/") ? other != "cuda" : other == backend();
+    }
 };
 
 /// Nothing is planted, but little room, odd sizes or a strange order: it has to pass.

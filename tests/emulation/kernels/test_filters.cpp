@@ -6,9 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "emulation/kernels/filter_bilateral.h"
-#include "emulation/kernels/filter_gaussian.h"
-#include "emulation/kernels/filter_median.h"
+#include "emulation/kernels/filter_image.h"
 #include "tests/emulation/renders.h"
 
 using namespace scotty::emulation;
@@ -20,12 +18,19 @@ using scotty::reference::Vec3;
 namespace {
 
 using Kernel = void (*)(std::uint32_t, const FilterView&);
+template <Filter Kind>
+void filter(std::uint32_t pixel, const FilterView& view) {
+    filter_image(pixel, Kind, view);
+}
+constexpr Kernel filter_gaussian = filter<Filter::gaussian>;
+constexpr Kernel filter_bilateral = filter<Filter::bilateral>;
+constexpr Kernel filter_median = filter<Filter::median>;
 constexpr std::array<Kernel, 3> kFilters{filter_gaussian, filter_bilateral, filter_median};
 
-Image filtered(const Image& image, Kernel filter) {
+Image filtered(const Image& image, Kernel kernel) {
     Image result = image;
     const FilterView view{image.width, image.height, image.pixels.data(), result.pixels.data()};
-    for (std::uint32_t i = 0; i < image.pixels.size(); ++i) filter(i, view);
+    for (std::uint32_t i = 0; i < image.pixels.size(); ++i) kernel(i, view);
     return result;
 }
 
@@ -54,11 +59,11 @@ const std::vector<std::array<std::uint32_t, 2>> kSizes{{1, 1}, {1, 7}, {7, 1},
 /// The largest difference of a filter from the weighted mean over 5 x 5 in double, as a share of
 /// it; `weight(dx, dy, value, centre)`.
 template <class Weight>
-double distance_from_mean(Kernel filter, Weight&& weight) {
+double distance_from_mean(Kernel kernel, Weight&& weight) {
     double largest = 0.0;
     for (const auto& [width, height] : kSizes) {
         const Image image = noise(width, height, width);
-        const Image got = filtered(image, filter);
+        const Image got = filtered(image, kernel);
         for (int y = 0; y < static_cast<int>(height); ++y) {
             for (int x = 0; x < static_cast<int>(width); ++x) {
                 std::array<double, 4> sums{};
@@ -87,9 +92,9 @@ double gaussian_weight(int dx, int dy, const Vec3&, const Vec3&) {
 }
 
 /// A planted fault: every pixel takes its right neighbour's value.
-template <Kernel Filter>
+template <Kernel Correct>
 void off_by_one(std::uint32_t pixel, const FilterView& view) {
-    Filter((pixel + 1) % (view.width * view.height), view);
+    Correct((pixel + 1) % (view.width * view.height), view);
     view.filtered[pixel] = view.filtered[(pixel + 1) % (view.width * view.height)];
 }
 
@@ -98,9 +103,9 @@ void off_by_one(std::uint32_t pixel, const FilterView& view) {
 TEST_CASE("filter: a constant image stays constant, borders and corners included",
           "[emulation][filter]") {
     const Vec3 value(0.25f, 3.0f, 0.0f);
-    for (const Kernel filter : kFilters) {
+    for (const Kernel kernel : kFilters) {
         for (const auto& [width, height] : kSizes) {
-            const Image image = filtered(constant(width, height, value), filter);
+            const Image image = filtered(constant(width, height, value), kernel);
             for (const Vec3& pixel : image.pixels) {
                 for (int c = 0; c < 3; ++c) CHECK(pixel[c] == Approx(value[c]).epsilon(1e-6));
             }
@@ -137,7 +142,7 @@ TEST_CASE("filter: median of nine for every order of few distinct values", "[emu
         std::array<float, 9> sorted{};
         std::copy(values, values + 9, sorted.begin());
         std::sort(sorted.begin(), sorted.end());
-        REQUIRE(median_of_nine(values) == sorted[4]);
+        REQUIRE(scotty::reference::median_of_nine(values) == sorted[4]);
     }
 }
 

@@ -3,9 +3,7 @@
 
 #include "gpu/kernels/clear_traversal.h"
 #include "gpu/kernels/direct_light_rays.h"
-#include "gpu/kernels/filter_bilateral.h"
-#include "gpu/kernels/filter_gaussian.h"
-#include "gpu/kernels/filter_median.h"
+#include "gpu/kernels/filter_image.h"
 #include "gpu/kernels/intersect.h"
 #include "gpu/kernels/intersect_root.h"
 #include "gpu/kernels/intersect_subtrees.h"

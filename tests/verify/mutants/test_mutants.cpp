@@ -204,6 +204,18 @@ TEST_CASE("mutants: planting needs a fault's name and the back end that has it",
     CHECK(offered.switched_on == 1);
 }
 
+TEST_CASE("mutants: a fault in what the back ends share is in both that are planted",
+          "[verify][mutants]") {
+    PlantedFault fault;
+    fault.file = "reference/stages/filters.h";
+    CHECK(fault.is_of("emulator"));
+    CHECK(fault.is_of("simt"));
+    CHECK_FALSE(fault.is_of("cuda"));
+    fault.file = "gpu/kernels/intersect.h";
+    CHECK_FALSE(fault.is_of("emulator"));
+    CHECK(fault.is_of("simt"));
+}
+
 TEST_CASE("mutants: a shard is every N-th, and together they are all", "[verify][mutants]") {
     std::multiset<std::size_t> dealt;
     for (const char* text : {"1/3", "2/3", "3/3"}) {
@@ -221,21 +233,23 @@ TEST_CASE("mutants: a shard is every N-th, and together they are all", "[verify]
     }
 }
 
-TEST_CASE("mutants: the registry has forty faults and more, in both tiers, by names of their own",
+TEST_CASE("mutants: the registry has faults of each back end and of what they share, by own names",
           "[verify][mutants]") {
     if (!can_plant()) return;
     const Result result = run_scotty("mutants --list");
     REQUIRE(result.exit_code == kExitPassed);
     std::istringstream lines(result.out);
     std::set<std::string> names;
-    std::size_t in_gpu = 0, in_emulation = 0, all = 0;
+    std::size_t in_gpu = 0, in_emulation = 0, shared = 0, all = 0;
     for (std::string line; std::getline(lines, line); ++all) {
         names.insert(line.substr(0, line.find(' ')));
         in_gpu += line.find(" gpu/") != std::string::npos ? 1 : 0;
         in_emulation += line.find(" emulation/") != std::string::npos ? 1 : 0;
+        shared += line.find(" reference/stages/") != std::string::npos ? 1 : 0;
     }
     CHECK(names.size() == all);
-    CHECK(in_gpu + in_emulation >= 40);
+    CHECK(in_gpu + in_emulation + shared == all);
+    CHECK(shared >= 20);
     CHECK(in_gpu >= 20);
     CHECK(in_emulation >= 20);
 }

@@ -1,0 +1,86 @@
+/// The order of a render's launches, once for all back ends; how a stage is launched is theirs.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "reference/contract/pipeline_interface.h"
+#include "reference/contract/pipeline_parameters.h"
+#include "reference/contract/stage_log.h"
+#include "reference/contract/views.h"
+
+namespace scotty::reference {
+
+class StagedPipeline : public PipelineInterface {
+ public:
+    std::vector<OwnedBuffer> run_stage(const StageView& stage) final;
+
+ protected:
+    /// Throws bad_input where the parameters are not valid.
+    StagedPipeline(const PipelineParameters& parameters, std::uint32_t triangle_count);
+
+    /// All launches of a render, batch by batch, and the filter. Image and variance are zero
+    /// before.
+    void launch_render();
+    bool filters() const;
+    /// A filtered image has no variance, since neighbours share their noise; nor has one sample.
+    bool knows_variance() const { return !filters() && parameters_.spp > 1; }
+    std::uint32_t pixel_count() const { return parameters_.image_width * parameters_.image_height; }
+    /// Throws bad_input naming the ray that traversal cannot take.
+    static void expect_traceable(std::span<const Ray> rays);
+
+    /// Shows the launch just made of a shading stage with the buffers of its table;
+    /// `view_of(const BufferInfo&)` is a BufferView that stays valid during the call.
+    template <class ViewOf>
+    void show(StageKind kind, const StagePlace& place, std::uint32_t blocks, std::uint32_t threads,
+              ViewOf&& view_of) {
+        if (!log().wants(kind)) return;
+        StageView stage = log().stage(kind, place, blocks, threads);
+        if (kind == StageKind::filter) {
+            stage.name = std::string("filter_") + to_string(parameters_.filter);
+        }
+        const StageInfo& info = stage_info(kind);
+        for (const auto& input : info.inputs) stage.inputs.push_back(view_of(*input.buffer));
+        for (const auto& output : info.outputs) stage.outputs.push_back(view_of(*output.buffer));
+        log().show(stage);
+    }
+
+    PipelineParameters parameters_;
+
+ private:
+    virtual StageLog& log() = 0;
+    /// Makes room for the paths in flight.
+    virtual void resize_paths(std::size_t rays) = 0;
+    virtual void launch_primary_rays(const StagePlace& place, const BatchView& batch) = 0;
+    virtual void launch_direct_light(const StagePlace& place) = 0;
+    virtual void launch_resolve_light(const StagePlace& place) = 0;
+    virtual void launch_scene_rays(const StagePlace& place) = 0;
+    virtual void launch_reconstruct(const StagePlace& place, const BatchView& batch) = 0;
+    virtual void launch_filter() = 0;
+    /// Returns when all that was launched is complete.
+    virtual void wait() = 0;
+    /// From the paths' rays to their hits.
+    virtual void trace_paths(const StagePlace& place) = 0;
+    /// From shadow rays to the radiance that they let through, resolve_light included.
+    virtual void trace_shadow_rays(const StagePlace& place, TraversalKind kind) = 0;
+
+    // For a stage that is run alone.
+
+    /// What the stage reads of path state comes from its view; the rest has the size of it.
+    virtual void load_paths(const StageView& stage, std::size_t rays) = 0;
+    /// The same for image and variance.
+    virtual void load_image(const StageView& stage) = 0;
+    virtual void run_traversal_stage(const StageView& stage) = 0;
+
+    void launch_batch(StagePlace place, const BatchView& batch);
+    void shade_vertex(StagePlace place);
+    void launch_alone(const StageView& stage);
+    void load_paths_of(const StageView& stage, const Buffer<Ray>& rays);
+
+    std::uint32_t triangle_count_;
+};
+
+}  // namespace scotty::reference
