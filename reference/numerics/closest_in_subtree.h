@@ -173,7 +173,7 @@ struct SubtreeWalk {
         ref = root;
         waiting = 0;
         if (is_leaf(root)) {
-            slabs.inverse = safe_inverse(ray.direction);  // no boxes
+            slabs = {safe_inverse(ray.direction), Vec3(0.0f), Vec3(0.0f)};  // no boxes
         } else {
             slabs = slabs_below(access.node(root)->low, access.node(root)->high, ray);
         }

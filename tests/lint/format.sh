@@ -5,13 +5,14 @@ need_checkout
 mapfile -t files < <(git ls-files -- '*.h' '*.hpp' '*.cpp' '*.cu' '*.cuh')
 ((${#files[@]})) || { echo "git lists no source file: this check would check nothing"; exit 1; }
 
-wrong=()
+existing=()
 for file in "${files[@]}"; do
-    [[ -f $file ]] || continue # deleted, not yet committed
-    "$1" --dry-run --Werror "$file" >/dev/null 2>&1 || wrong+=("$file")
+    [[ ! -f $file ]] || existing+=("$file") # else deleted, not yet committed
 done
-if ((${#wrong[@]})); then
+if ! said=$("$1" --dry-run --Werror "${existing[@]}" 2>&1); then
+    mapfile -t wrong < <(sed -nE 's/^([^ :]+):[0-9]+:[0-9]+: error: code should be clang-formatted.*/\1/p' <<<"$said" | sort -u)
+    ((${#wrong[@]})) || { head -n 20 <<<"$said"; exit 1; }
     echo "not clang-formatted; to mend: clang-format -i ${wrong[*]}"
     exit 1
 fi
-echo "${#files[@]} files are clang-formatted"
+echo "${#existing[@]} files are clang-formatted"

@@ -6,10 +6,8 @@
 
 #include "emulation/host/pipeline.h"
 #include "reference/base/error.h"
+#include "verify/backends/cuda/cuda_backend.h"
 #include "verify/backends/simt/simt_pipeline.h"
-#if defined(SCOTTY_HAS_CUDA)
-#include "gpu/host/pipeline.h"
-#endif
 
 namespace scotty::verify {
 
@@ -84,35 +82,6 @@ Backend simt(const scotty::simt::SimtOptions& options) {
     return backend;
 }
 
-#if defined(SCOTTY_HAS_CUDA)
-
-Backend cuda() {
-    const auto device = gpu::find_device();
-    if (!device) {
-        throw Error::missing_environment(
-            "back end cuda: no CUDA device on this machine (scotty doctor says what there is)");
-    }
-    Backend backend;
-    backend.name = "cuda";
-    backend.has_fast_arithmetic = true;
-    backend.free_memory = device->free_bytes;
-    backend.make = [](const Scene& scene, const WideBvh& bvh, const PipelineParameters& p,
-                      const PipelineMaking& making) {
-        return gpu::make_pipeline(scene, bvh, p, {.timings = making.timed}, making.observer);
-    };
-    return backend;
-}
-
-#else
-
-Backend cuda() {
-    throw Error::missing_environment(
-        "back end cuda: this scotty was built where there was no CUDA compiler; build it again "
-        "where nvcc is, or capture on the other machine with scotty-gpu (docs/gpu.md)");
-}
-
-#endif
-
 }  // namespace
 
 Backend render_only(std::string name, RenderFunction render) {
@@ -136,7 +105,7 @@ const std::vector<std::string>& backend_names() {
 Backend backend_named(const std::string& name, const emulation::DeviceOptions& device) {
     if (name == "emulator") return emulator(device);
     if (name == "simt") return simt(device);
-    if (name == "cuda") return cuda();
+    if (name == "cuda") return cuda_backend();
     throw Error::bad_input("--backend", fmt::format("expected one of {}, found '{}'",
                                                     fmt::join(backend_names(), ", "), name));
 }

@@ -1,4 +1,5 @@
-/// --check and --plant: the same command, run by a program beside this one that can do it.
+/// --check, --plant and --backend cuda: the same command, run by a program beside this one that can
+/// do it.
 #pragma once
 
 #include <string>

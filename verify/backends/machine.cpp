@@ -14,9 +14,7 @@
 #include <utility>
 
 #include "reference/truth/tracers.h"
-#if defined(SCOTTY_HAS_CUDA)
-#include "gpu/host/pipeline.h"
-#endif
+#include "verify/backends/cuda/cuda_backend.h"
 
 namespace scotty::verify {
 
@@ -76,24 +74,6 @@ double load_of_last_minute() {
     double load = -1.0;
     std::ifstream("/proc/loadavg") >> load;
     return load;
-}
-
-std::optional<CudaDescription> find_cuda() {
-#if defined(SCOTTY_HAS_CUDA)
-    const std::optional<gpu::DeviceInfo> info = gpu::find_device();
-    if (!info) return std::nullopt;
-    const auto version = [](int number) {
-        return fmt::format("{}.{}", number / 1000, number % 1000 / 10);
-    };
-    return CudaDescription{info->name,
-                           fmt::format("{}.{}", info->compute_major, info->compute_minor),
-                           info->multiprocessors,
-                           info->memory_bytes,
-                           version(info->driver_version),
-                           version(info->runtime_version)};
-#else
-    return std::nullopt;
-#endif
 }
 
 nlohmann::json to_json(const std::optional<CudaDescription>& cuda) {

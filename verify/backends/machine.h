@@ -26,7 +26,7 @@ struct MachineDescription {
     std::string build;              ///< version of scotty, build type, flags that change speed
     std::string compiler, vectors;  ///< "g++ 12.2.0"; widest vectors compiled for: "AVX-512"
     std::string embree, tbb;
-    std::optional<CudaDescription> cuda;  ///< none without a device, or built without CUDA
+    std::optional<CudaDescription> cuda;  ///< none without a device; only scotty-cuda sees it
     /// Processes that were running or waiting to, over the last minute, as this was asked for:
     /// what else the machine was doing. Below 0: not known.
     double load = -1.0;
