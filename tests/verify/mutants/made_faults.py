@@ -14,6 +14,7 @@ sys.path.insert(0, MADE)
 
 import emit  # noqa: E402
 import listing  # noqa: E402
+import neutral  # noqa: E402
 import runs  # noqa: E402
 import scores  # noqa: E402
 
@@ -103,6 +104,21 @@ class Project(unittest.TestCase):
         self.assertTrue({f["key"] for f in one} < {f["key"] for f in more})
         self.assertNotEqual({f["key"] for f in listing.sample(self.faults, 5, 8)}, {f["key"] for f in one})
         self.assertEqual(listing.sample(self.faults, 5, 7, "gpu/*"), [])
+
+    def test_neutral_edits_are_other_forms_of_the_same(self):
+        edits = neutral.neutral_edits(self.faults, listing.Reader(self.top))
+        made = {(e["original"], e["text"]) for e in edits}
+        self.assertIn(("i < count", "count > i"), made)
+        self.assertIn(("of[i] != 3", "3 != of[i]"), made)
+        self.assertEqual(len({e["key"] for e in edits}), len(edits))
+
+    def test_assignments_change_places_only_where_neither_sees_the_other(self):
+        def swapped(one, two):
+            return neutral.reordered({"original": one}, {"original": two}, "\n    ")
+
+        self.assertEqual(swapped("a.x = b.x;", "a.y = b.y;"), "a.y = b.y; a.x = b.x;")
+        for one, two in (("a = b;", "c = a;"), ("a = b;", "a = c;"), ("a = b;", "b = c;"), ("a = f();", "c = d;")):
+            self.assertIsNone(swapped(one, two), (one, two))
 
     def compiled(self):
         emitter = emit.Emitter(TEXT.encode(), [f for f in self.faults if emit.can_be_written(f) and f["function"] != "min"

@@ -68,6 +68,13 @@ class Emitter:
         self.render(begin, end)
         self.put(b" }" * len(faults))
 
+    def put_instead(self, begin, end, faults):
+        for fault in faults:
+            self.put(f"if (MADE({fault['number']})) {{ {one_line(fault['text'])} }} else ".encode())
+        self.put(b"{ ")
+        self.render(begin, end)
+        self.put(b" }")
+
     def put_before(self, begin, end, faults):
         del begin, end
         self.put("".join(f"if (MADE({f['number']})) {f['text']} " for f in faults).encode())

@@ -4,6 +4,7 @@
 /// SCOTTY_MADE=n switches fault n on. SCOTTY_MADE_SEEN=FILE: byte n of the file becomes 1 when the text of fault n is
 /// executed (and only that fault's, where one is on); it is a mapping, so a process that crashes leaves it too.
 #pragma once
+#if __cplusplus >= 202002L  // CMake tries the compiler without any standard
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -121,3 +122,5 @@ template <class T, class V>
 }  // namespace scotty::made
 
 #define MADE(number) (::scotty::made::on(number))
+
+#endif

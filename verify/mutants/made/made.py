@@ -19,9 +19,11 @@ sys.path.insert(0, HERE)
 
 import judge  # noqa: E402
 import listing  # noqa: E402
+import neutral  # noqa: E402
 import runs  # noqa: E402
 import scores  # noqa: E402
 import tree  # noqa: E402
+import units  # noqa: E402
 
 PROGRAMS = ["scotty", "scotty_checked"]
 TESTS = ["test_reference", "test_scenes", "test_emulation", "test_simt", "test_verify_capture", "test_verify_invariants",
@@ -35,7 +37,7 @@ def say(text):
 
 def newest_source():
     newest = 0.0
-    for folder in ("emulation", "gpu", "reference", "scenes", "verify"):
+    for folder in units.ROOMS:
         for at, _, files in os.walk(os.path.join(TOP, folder)):
             newest = max([newest] + [os.stat(os.path.join(at, f)).st_mtime for f in files if f.endswith((".h", ".cpp", ".cu"))])
     return newest
@@ -62,6 +64,8 @@ def planted(options, targets):
     else:
         everything = places(options)
         chosen = listing.sample(everything["faults"], options.planted, options.seed, options.files)
+        edits = neutral.neutral_edits(everything["faults"], listing.Reader(TOP))
+        chosen += listing.sample(edits, 2 * options.neutral, options.seed, options.files)
         state = {"places": len(everything["faults"]), "in_macros": everything["in_macros"], "left_out": [],
                  "faults": [fault | {"number": i + 1} for i, fault in enumerate(chosen)]}
     while True:
@@ -103,6 +107,7 @@ def main():
     parser.add_argument("--sample", type=int, default=200, help="how many are run; 0: all that are in the copy")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--planted", type=int, default=2000, help="how many are built into the copy")
+    parser.add_argument("--neutral", type=int, default=30, help="edits that change nothing, run besides: no alarm is right")
     parser.add_argument("--shard", default="1/1", help="I/N: every N-th of the sample, from the I-th")
     parser.add_argument("--json", help="write totals and results to this file; - is standard output")
     parser.add_argument("--badge", help="write a badge's JSON")
@@ -121,7 +126,10 @@ def main():
         steps = {tier: baseline(options, copy, tier, of) for tier, of in runs.verdict_steps(scotty).items()}
         tests = [] if options.no_tests else baseline(options, copy, "tests", list(runs.test_steps(copy.build)))
         index, parts = (int(word) for word in options.shard.split("/"))
-        chosen = listing.sample(state["faults"], options.sample or len(state["faults"]), options.seed, options.files)
+        chosen = []
+        for is_neutral, count in ((False, options.sample), (True, options.neutral)):
+            of_kind = [f for f in state["faults"] if (f["operator"] == "neutral") == is_neutral]
+            chosen += listing.sample(of_kind, count or len(of_kind), options.seed, options.files)
         chosen = chosen[index - 1::parts]
         done = {r["key"]: r for r in scores.load_results(results_path)}
         rest = [f for f in chosen if f["key"] not in done or (tests and judge.wants_tests(done[f["key"]]))]

@@ -61,7 +61,7 @@ class Tree:
     def configure(self):
         """No optimisation that takes long, no CUDA, no warnings: they are the original's."""
         subprocess.run(["cmake", "-S", self.source, "-B", self.build, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Made",
-                        "-DCMAKE_CXX_FLAGS_MADE=-O1 -DNDEBUG", "-DCMAKE_CXX_FLAGS=-w -include " + self.source + "/made.h",
+                        "-DCMAKE_CXX_FLAGS_MADE=-O1 -DNDEBUG -w -include " + self.source + "/made.h",
                         "-DCMAKE_CUDA_COMPILER=NOTFOUND", "-DSCOTTY_UNITY=ON", "-DSCOTTY_LINT=OFF"],
                        check=True, stdout=subprocess.DEVNULL)
 
