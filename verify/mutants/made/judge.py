@@ -4,7 +4,7 @@ import re
 import runs
 
 
-def step_of(fault, steps, scratch, folder):
+def step_of(fault, steps, folder):
     """(kind, name, words, seconds) of the first step that does not pass; kind is passed or not-executed otherwise."""
     ran, seconds = False, 0.0
     for step in steps:
@@ -15,7 +15,6 @@ def step_of(fault, steps, scratch, folder):
         seconds += outcome.seconds
         if outcome.kind != "passed":
             return outcome.kind, step.name, outcome.output, seconds
-    del scratch
     return ("passed" if ran else "not-executed"), "", "", seconds
 
 
@@ -29,19 +28,19 @@ def wants_tests(result):
     return result["verdict"] in ("passed", "not-executed") and "suite" not in result
 
 
-def judge(fault, steps, tests, folder, scratch, before):
+def judge(fault, steps, tests, folder, before):
     """`before`: what a former call found, without tests."""
     tier = steps["simt" if fault["path"].startswith("gpu/") else "emulator"]
     keep = ("key", "path", "line", "function", "operator", "original", "text")
     if before is None:
-        kind, name, output, seconds = step_of(fault, tier, scratch, folder)
+        kind, name, output, seconds = step_of(fault, tier, folder)
         result = {k: fault[k] for k in keep} | {"verdict": kind, "verdict_by": name, "check": check_of(output),
                                                 "seconds": round(seconds, 2)}
     else:
         result = dict(before)
     if tests and wants_tests(result):
         covering = [t for t in tests if fault["number"] in t.executes]
-        kind, name, output, seconds = step_of(fault, list(runs.joined(covering)), scratch, folder)
+        kind, name, output, seconds = step_of(fault, list(runs.joined(covering)), folder)
         result |= {"suite": kind, "suite_by": name, "test": runs.first_failed_case(output), "suite_seconds": round(seconds, 2)}
     return result
 

@@ -10,7 +10,6 @@ import argparse
 import json
 import os
 import sys
-import tempfile
 from concurrent.futures import ThreadPoolExecutor, as_completed
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -100,7 +99,7 @@ def baseline(options, copy, name, steps):
     return runs.load_steps(path)
 
 
-def main():
+def options_of(words):
     parser = argparse.ArgumentParser(prog="scotty mutants --made", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--files", default="*", help="only faults of these files, such as 'gpu/*'")
@@ -116,49 +115,61 @@ def main():
     parser.add_argument("--folder", default=os.path.join(TOP, "build/made"))
     parser.add_argument("--build", default=os.path.join(TOP, "build/release"), help="a configured build folder")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
-    options = parser.parse_args()
+    return parser.parse_args(words)
+
+
+def sampled(options, faults):
+    """Faults and neutral edits that this shard runs."""
+    chosen = []
+    for is_neutral, count in ((False, options.sample), (True, options.neutral)):
+        of_kind = [f for f in faults if (f["operator"] == "neutral") == is_neutral]
+        chosen += listing.sample(of_kind, count or len(of_kind), options.seed, options.files)
+    index, parts = (int(word) for word in options.shard.split("/"))
+    return chosen[index - 1::parts]
+
+
+def judge_all(options, copy, chosen, results_path):
+    """Appends a line to the results for each of the chosen that has none yet."""
+    scotty = os.path.join(copy.build, "bin/scotty")
+    steps = {tier: baseline(options, copy, tier, of) for tier, of in runs.verdict_steps(scotty).items()}
+    tests = [] if options.no_tests else baseline(options, copy, "tests", list(runs.test_steps(copy.build)))
+    done = {r["key"]: r for r in scores.load_results(results_path)}
+    rest = [f for f in chosen if f["key"] not in done or (tests and judge.wants_tests(done[f["key"]]))]
+    say(f"{len(rest)} of {len(chosen)} to be judged")
+    with ThreadPoolExecutor(options.jobs) as pool:
+        waiting = [pool.submit(judge.judge, f, steps, tests, copy.source, done.get(f["key"])) for f in rest]
+        for count, future in enumerate(as_completed(waiting)):
+            result = future.result()
+            with open(results_path, "a", encoding="utf-8") as file:
+                file.write(json.dumps(result) + "\n")
+            say(f"{count + 1} of {len(rest)}: {judge.sentence(result)}")
+
+
+def main():
+    options = options_of(sys.argv[1:])
     os.makedirs(options.folder, exist_ok=True)
     results_path = os.path.join(options.folder, "results.jsonl")
-    state = {}
-    if not options.only_score:
+    if options.only_score:
+        state = listing.load(os.path.join(options.folder, "planted.json"))
+    else:
         copy, state = planted(options, PROGRAMS + ([] if options.no_tests else TESTS))
-        scotty = os.path.join(copy.build, "bin/scotty")
-        steps = {tier: baseline(options, copy, tier, of) for tier, of in runs.verdict_steps(scotty).items()}
-        tests = [] if options.no_tests else baseline(options, copy, "tests", list(runs.test_steps(copy.build)))
-        index, parts = (int(word) for word in options.shard.split("/"))
-        chosen = []
-        for is_neutral, count in ((False, options.sample), (True, options.neutral)):
-            of_kind = [f for f in state["faults"] if (f["operator"] == "neutral") == is_neutral]
-            chosen += listing.sample(of_kind, count or len(of_kind), options.seed, options.files)
-        chosen = chosen[index - 1::parts]
-        done = {r["key"]: r for r in scores.load_results(results_path)}
-        rest = [f for f in chosen if f["key"] not in done or (tests and judge.wants_tests(done[f["key"]]))]
-        say(f"{len(rest)} of {len(chosen)} to be judged")
-        with tempfile.TemporaryDirectory() as scratch, ThreadPoolExecutor(options.jobs) as pool:
-            waiting = [pool.submit(judge.judge, f, steps, tests, copy.source, scratch, done.get(f["key"])) for f in rest]
-            for count, future in enumerate(as_completed(waiting)):
-                result = future.result()
-                with open(results_path, "a", encoding="utf-8") as file:
-                    file.write(json.dumps(result) + "\n")
-                say(f"{count + 1} of {len(rest)}: {judge.sentence(result)}")
+    chosen = sampled(options, state["faults"])
+    if not options.only_score:
+        judge_all(options, copy, chosen, results_path)
     latest = {r["key"]: r for r in scores.load_results(results_path)}
-    if state:
-        latest = {f["key"]: latest[f["key"]] for f in chosen if f["key"] in latest}
-    equivalents = scores.load_equivalents(os.path.join(HERE, "equivalents.json"))
-    made = scores.scores(list(latest.values()), equivalents)
-    made |= {key: state[key] for key in ("places", "in_macros") if key in state}
-    if state:
-        made |= {"planted": len(state["faults"]), "do_not_compile": len(state["left_out"])}
-    if options.json:
-        text = json.dumps({"made": made, "results": list(latest.values())}, indent=1) + "\n"
-        if options.json == "-":
-            print(text, end="")
-        else:
-            tree.write_if_new(os.path.abspath(options.json), text.encode())
+    results = [latest[f["key"]] for f in chosen if f["key"] in latest]
+    made = scores.scores(results, scores.load_equivalents(os.path.join(HERE, "equivalents.json")))
+    made |= {"places": state["places"], "planted": len(state["faults"]), "do_not_compile": len(state["left_out"]),
+             "in_macros": state["in_macros"]}
+    text = json.dumps({"made": made, "results": results}, indent=1) + "\n"
+    if options.json == "-":
+        print(text, end="")
+    else:
+        print(scores.table(made))
+    if options.json and options.json != "-":
+        tree.write_if_new(os.path.abspath(options.json), text.encode())
     if options.badge:
         tree.write_if_new(os.path.abspath(options.badge), (json.dumps(scores.badge(made)) + "\n").encode())
-    if options.json != "-":
-        print(scores.table(made))
     return 0
 
 
