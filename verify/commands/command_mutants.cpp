@@ -17,6 +17,7 @@
 #include "verify/base/shard.h"
 #include "verify/commands/command.h"
 #include "verify/mutants/judge.h"
+#include "verify/mutants/made_sweep.h"
 #include "verify/mutants/plant.h"
 #include "verify/report/report.h"
 
@@ -29,6 +30,8 @@ struct MutantsOptions {
     bool list = false;
     std::size_t threads = 0;
     unsigned limit = 120;
+    bool made = false;
+    MadeSweep sweep;
 };
 
 /// What is run: faults first, then hostile conditions.
@@ -93,6 +96,13 @@ std::vector<std::vector<std::string>> commands_of(const Selection& selection) {
 }
 
 int run_mutants(const MutantsOptions& options) {
+    if (options.made) {
+        MadeSweep sweep = options.sweep;
+        sweep.shard = options.shard;
+        sweep.json = options.json;
+        sweep.threads = options.threads;
+        become_made_sweep(sweep);
+    }
     if (!has_planted_faults()) become_program("scotty-mutants", "mutants");
     const Selection selection = select(options);
     if (options.list) {
@@ -144,7 +154,9 @@ void add_mutants_command(CLI::App& app, Action& action) {
         "  scotty mutants                          all of them: a minute or two\n"
         "  scotty mutants --list                   their names, and what is wrong\n"
         "  scotty mutants visited_twice            one\n"
-        "  scotty mutants --shard 2/4 --json 2.json\n\n"
+        "  scotty mutants --shard 2/4 --json 2.json\n"
+        "  scotty mutants --made --sample 200      faults made by a machine: an hour, and a "
+        "build\n\n"
         "A fault counts as caught where the check that has to see it is the first to, at the "
         "stage\n"
         "where it has to. Conditions that are hostile, with no fault, have to pass\n"
@@ -162,6 +174,15 @@ void add_mutants_command(CLI::App& app, Action& action) {
     command->add_option("--threads", options->threads, "processes at once; 0: as many as cores")
         ->capture_default_str()
         ->check(CLI::Range(std::size_t{0}, std::size_t{4096}));
+    auto* made = command->add_flag("--made", options->made,
+                                   "faults made by a program from the text of all sources: which "
+                                   "share of them is seen? (docs/trust.md)");
+    command->add_option("--files", options->sweep.files, "only faults of such files")
+        ->type_name("PATTERN")
+        ->needs(made);
+    command->add_option("--sample", options->sweep.sample, "how many are run; 200 by default")
+        ->needs(made);
+    command->add_option("--seed", options->sweep.seed, "of the sample; 1 by default")->needs(made);
     command->callback([&action, options] { action = [options] { return run_mutants(*options); }; });
 }
 

@@ -1,0 +1,116 @@
+"""Runs of programs that have faults: which of them execute a fault, and what they say with it switched on."""
+import json
+import os
+import signal
+import subprocess
+import tempfile
+import time
+from dataclasses import dataclass
+
+MOST = 1 << 17  # made.h
+
+
+@dataclass
+class Outcome:
+    """`kind`: passed, failed (the program says so), crashed (a signal, or an exit code that is no verdict), timed-out."""
+    kind: str
+    seconds: float
+    output: str
+
+
+def run(command, folder, limit, fault=0, seen=None):
+    """One process and its children. Fault 0: none."""
+    environment = dict(os.environ)
+    for name, value in (("SCOTTY_MADE", str(fault) if fault else None), ("SCOTTY_MADE_SEEN", seen)):
+        environment.pop(name, None)
+        if value is not None:
+            environment[name] = value
+    start = time.monotonic()
+    with tempfile.TemporaryFile() as output:
+        process = subprocess.Popen(command, cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=output,
+                                   stderr=subprocess.STDOUT, start_new_session=True)
+        try:
+            code = process.wait(limit)
+        except subprocess.TimeoutExpired:
+            code = None
+        try:  # what it started too
+            os.killpg(process.pid, signal.SIGKILL)
+        except ProcessLookupError:
+            pass
+        process.wait()
+        output.seek(0, os.SEEK_END)
+        output.seek(max(0, output.tell() - 200000))
+        text = output.read().decode(errors="replace")
+    kind = {None: "timed-out", 0: "passed", 1: "failed"}.get(code, "crashed")
+    return Outcome(kind, time.monotonic() - start, text)
+
+
+@dataclass
+class Step:
+    """A run that may catch a fault, and what it is without any: the faults that it executes, and its time."""
+    name: str
+    command: list
+    executes: frozenset = frozenset()
+    seconds: float = 0.0
+
+    def limit(self):
+        return 20 + 8 * self.seconds
+
+
+def measure(step, folder, scratch):
+    """Runs a step without faults. A step that fails is no judge: None."""
+    with tempfile.NamedTemporaryFile(dir=scratch) as seen:
+        outcome = run(step.command, folder, 1800, seen=seen.name)
+        if outcome.kind != "passed":
+            return None
+        with open(seen.name, "rb") as file:
+            executed = frozenset(number for number, byte in enumerate(file.read()) if byte)
+    return Step(step.name, step.command, executed, outcome.seconds)
+
+
+def save_steps(path, steps):
+    with open(path, "w", encoding="utf-8") as file:
+        json.dump([[s.name, s.command, sorted(s.executes), s.seconds] for s in steps], file)
+
+
+def load_steps(path):
+    with open(path, encoding="utf-8") as file:
+        return [Step(name, command, frozenset(executes), seconds) for name, command, executes, seconds in json.load(file)]
+
+
+def verdict_steps(scotty):
+    """What judges a fault, cheap first; the text of gpu/ by runs of its own."""
+    common = [scotty, "verify", "--fail-fast"]
+    return {"emulator": [Step("quick", common + ["--quick"]), Step("default", common)],
+            "simt": [Step("simt-quick", common + ["--quick", "--backend", "simt"]),
+                     Step("simt-check", common + ["--quick", "--backend", "simt", "--check", "cornell", "veil"])]}
+
+
+def test_steps(build):
+    """The tests of the build as CTest knows them, one step each, without those of the source text."""
+    listed = subprocess.run(["ctest", "--test-dir", build, "--show-only=json-v1"], capture_output=True, text=True, check=True)
+    for test in json.loads(listed.stdout)["tests"]:
+        command = test.get("command")
+        if command and os.path.exists(command[0]) and os.path.basename(command[0]).startswith("test_"):
+            yield Step(test["name"], command)
+
+
+def joined(steps, most=200):
+    """Catch2 programs run many cases at once: (command, names) of a program's cases, cheap ones first."""
+    programs = {}
+    for step in sorted(steps, key=lambda s: s.seconds):
+        programs.setdefault(step.command[0], []).append(step)
+    for program, cases in sorted(programs.items(), key=lambda p: sum(s.seconds for s in p[1])):
+        for i in range(0, len(cases), most):
+            part = cases[i:i + most]
+            yield Step(os.path.basename(program), [program, ",".join(s.command[1] for s in part), "--abort"],
+                       seconds=sum(s.seconds for s in part))
+
+
+def first_failed_case(output):
+    """Catch2's own words: the name stands between two rules."""
+    lines = output.splitlines()
+    for i, line in enumerate(lines[:-1]):
+        if line.startswith("-----") and i + 1 < len(lines):
+            return lines[i + 1].strip()
+    return ""

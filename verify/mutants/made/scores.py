@@ -1,0 +1,96 @@
+"""Scores of a sweep: per folder, raw and without the faults that no input can show."""
+import json
+import os
+from collections import Counter
+
+CAUGHT = {"failed"}
+DETECTED = {"failed", "crashed", "timed-out"}
+
+
+def load_results(path):
+    if not os.path.exists(path):
+        return []
+    with open(path, encoding="utf-8") as file:
+        return [json.loads(line) for line in file if line.endswith("\n")]
+
+
+def load_equivalents(path):
+    """key -> why."""
+    if not os.path.exists(path):
+        return {}
+    with open(path, encoding="utf-8") as file:
+        return {entry["key"]: entry["why"] for entry in json.load(file)["equivalents"]}
+
+
+def share(part, whole):
+    return round(part / whole, 4) if whole else None
+
+
+def score_of(results, equivalents):
+    """`verdict_score`: verify says FAILED; `..._detected` counts crashes and time-outs too. `adjusted` is without the
+    equivalents. Suite scores are of the faults that the tests were run for."""
+    kept = [r for r in results if r["key"] not in equivalents]
+    totals = {"run": len(results), "equivalent": len(results) - len(kept)}
+
+    def both(name, of, hit):
+        totals[name] = share(sum(hit(r) for r in results if of(r)), sum(1 for r in results if of(r)))
+        totals[name + "_adjusted"] = share(sum(hit(r) for r in kept if of(r)), sum(1 for r in kept if of(r)))
+
+    def quick(r):
+        return r["verdict"] == "failed" and r["verdict_by"] in ("quick", "simt-quick")
+
+    def everything(r):
+        return True
+
+    both("quick_verdict_score", everything, quick)
+    both("verdict_score", everything, lambda r: r["verdict"] in CAUGHT)
+    both("verdict_detected", everything, lambda r: r["verdict"] in DETECTED)
+
+    def suite(r):
+        return r["verdict"] in DETECTED or r.get("suite") in DETECTED
+
+    both("suite_score", lambda r: r["verdict"] in DETECTED or "suite" in r, suite)
+    totals["verdicts"] = dict(Counter(r["verdict"] for r in results))
+    totals["suite"] = dict(Counter(r["suite"] for r in results if "suite" in r))
+    return totals
+
+
+def scores(results, equivalents):
+    """The totals as the JSON has them."""
+    real = [r for r in results if r["operator"] != "neutral"]
+    neutral = [r for r in results if r["operator"] == "neutral"]
+    made = score_of(real, equivalents)
+    made["folders"] = {folder: score_of([r for r in real if r["path"].split("/")[0] == folder], equivalents)
+                       for folder in sorted({r["path"].split("/")[0] for r in real})}
+    under_test = [r for r in real if r["path"].split("/")[0] in ("emulation", "gpu", "reference")]
+    made["emulation+gpu+reference"] = score_of(under_test, equivalents)
+    alarms = [r for r in neutral if r["verdict"] != "passed" or r.get("suite", "passed") != "passed"]
+    made["neutral"] = {"run": len(neutral), "false_alarms": len(alarms)}
+    return made
+
+
+def table(made):
+    lines = [f"{'folder':<24} {'faults':>6} {'equiv.':>6} {'quick':>7} {'verdict':>7} {'+crash':>7} {'suite':>7}"]
+
+    def percent(value):
+        return "-" if value is None else f"{100 * value:.1f} %"
+
+    rows = list(made["folders"].items()) + [("emulation+gpu+reference", made["emulation+gpu+reference"]), ("all", made)]
+    for name, row in rows:
+        for raw in (True, False):
+            end = "" if raw else "_adjusted"
+            if not raw and not row["equivalent"]:
+                continue
+            cells = [percent(row[key + end]) for key in ("quick_verdict_score", "verdict_score", "verdict_detected", "suite_score")]
+            count = row["run"] if raw else row["run"] - row["equivalent"]
+            lines.append(f"{name if raw else '  adjusted':<24} {count:>6} {row['equivalent'] if raw else '':>6} "
+                         + " ".join(f"{cell:>7}" for cell in cells))
+    lines.append(f"neutral edits: {made['neutral']['run']}, false alarms: {made['neutral']['false_alarms']}")
+    return "\n".join(lines)
+
+
+def badge(made):
+    """For shields.io's endpoint."""
+    score = made["emulation+gpu+reference"]["verdict_detected_adjusted"]
+    message = "not measured" if score is None else f"{100 * score:.0f} % of {made['emulation+gpu+reference']['run']} faults"
+    return {"schemaVersion": 1, "label": "verdict", "message": message}
