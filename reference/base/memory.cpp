@@ -1,6 +1,7 @@
 #include "reference/base/memory.h"
 
 #include <fmt/format.h>
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -66,6 +67,14 @@ void require_memory(std::uint64_t bytes, const std::string& what, const std::str
     throw Error::missing_environment(fmt::format("{} needs about {} of memory, {} are free; {}",
                                                  what, in_words(bytes), in_words(available),
                                                  way_out));
+}
+
+void keep_freed_memory() {
+#if defined(__GLIBC__)
+    constexpr int kLargest = 32 << 20;  // glibc's own limit
+    mallopt(M_MMAP_THRESHOLD, kLargest);
+    mallopt(M_TRIM_THRESHOLD, 512 << 20);
+#endif
 }
 
 }  // namespace scotty::reference

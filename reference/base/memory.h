@@ -13,4 +13,8 @@ std::uint64_t available_memory();
 /// Throws missing_environment saying how much `what` needs, how much there is, and `way_out`.
 void require_memory(std::uint64_t bytes, const std::string& what, const std::string& way_out);
 
+/// From now on memory of up to 32 MiB a piece that is freed stays with the process, to be taken
+/// again: the pages of a picture are touched for the first time once, not in every render.
+void keep_freed_memory();
+
 }  // namespace scotty::reference
