@@ -15,6 +15,7 @@
 
 #include "gpu/host/pipeline.h"
 #include "gpu/parity/parity.h"
+#include "reference/base/memory.h"
 #include "reference/base/write_file.h"
 #include "reference/contract/parameter_table.h"
 #include "verify/capture/capture_writer.h"
@@ -225,6 +226,7 @@ int parity(std::uint64_t count) {
 }  // namespace
 
 int main(int argc, char** argv) {
+    scotty::reference::keep_freed_memory();
     CLI::App app("The CUDA pipeline of CUDA-Scotty on its own: needs a driver, nothing else.");
     app.require_subcommand(1);
     app.footer("Example:\n  scotty-gpu run coil.input -o coil.cuda --timings");
