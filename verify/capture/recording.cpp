@@ -181,11 +181,25 @@ std::vector<Failure> compare(const Recording& baseline, const Recording& other, 
 
 std::optional<Failure> compare_images(const reference::Image& baseline,
                                       const reference::Image& other, std::uint32_t spp) {
-    for (std::size_t p = 0; p < baseline.pixels.size(); ++p) {
-        if (same_bits(baseline.pixels[p], other.pixels[p])) continue;
-        return difference("the image", "reconstruct_image", p * spp, spp,
-                          fmt::format("image[{}]", p), exact(baseline.pixels[p]),
-                          exact(other.pixels[p]));
+    struct Part {
+        const char* what;
+        const char* buffer;
+        const std::vector<Vec3>& expected;
+        const std::vector<Vec3>& found;
+    };
+    for (const Part& part : {Part{"the image", "image", baseline.pixels, other.pixels},
+                             Part{"the variance", "variance", baseline.variance, other.variance}}) {
+        if (part.expected.size() != part.found.size()) {
+            return difference(part.what, "reconstruct_image", 0, spp, part.buffer,
+                              fmt::format("{} pixels", part.expected.size()),
+                              fmt::format("{} pixels", part.found.size()));
+        }
+        for (std::size_t p = 0; p < part.expected.size(); ++p) {
+            if (same_bits(part.expected[p], part.found[p])) continue;
+            return difference(part.what, "reconstruct_image", p * spp, spp,
+                              fmt::format("{}[{}]", part.buffer, p), exact(part.expected[p]),
+                              exact(part.found[p]));
+        }
     }
     return std::nullopt;
 }

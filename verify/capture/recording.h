@@ -69,7 +69,7 @@ class Observers : public reference::StageObserver {
     std::vector<reference::StageObserver*> observers_;
 };
 
-/// Bit for bit: rays and merged hits of every traversal, radiance, image. `occlusion_only`: of
+/// Bit for bit: rays and merged hits of every traversal, radiance, image and variance. `occlusion_only`: of
 /// shadow rays only whether something was hit. At most one failure each for rays, hits, radiance
 /// and image, in the order in which they arose.
 std::vector<Failure> compare(const Recording& baseline, const Recording& other, bool occlusion_only,
