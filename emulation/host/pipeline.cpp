@@ -85,8 +85,8 @@ class Pipeline::State final : public reference::StagedPipeline {
                 const Kernel& kernel) {
         const std::uint32_t blocks = (threads + kItemThreads - 1) / kItemThreads;
         log_.timed(kind, place, blocks, items, [&] { device_.launch_per_item(threads, kernel); });
-        show(kind, place, blocks, kItemThreads,
-             [&](const reference::BufferInfo& buffer) { return paths_.view(buffer); });
+        log_.show(parameters_, kind, place, blocks, kItemThreads,
+                  [&](const reference::BufferInfo& buffer) { return paths_.view(buffer); });
     }
 
     reference::SceneView scene_;

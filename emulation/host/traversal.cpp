@@ -217,13 +217,7 @@ void Traversal::scan(const StagePlace& place) {
     log_.timed(StageKind::scan_counts, place, 1, nodes, [&] {
         device_.launch(1, kScanThreads, [&](const Block& block) { scan_counts(block, view); });
     });
-    if (log_.wants(StageKind::scan_counts)) {
-        StageView stage = log_.stage(StageKind::scan_counts, place, 1, kScanThreads);
-        stage.inputs = {buffer_view(buffers::node_counts, node_counts_.view())};
-        stage.outputs = {buffer_view(buffers::block_offsets, block_offsets_.view()),
-                         buffer_view(buffers::child_offsets, child_offsets_.view())};
-        log_.show(stage);
-    }
+    show(StageKind::scan_counts, place, 1, kScanThreads);
 }
 
 void Traversal::intersect_level(const StagePlace& place) {
@@ -255,7 +249,7 @@ void Traversal::intersect_level(const StagePlace& place) {
                 break;
         }
     });
-    if (log_.wants(kind)) show_level(place, kind, blocks);
+    show(kind, place, blocks, static_cast<std::uint32_t>(parameters_.rays_per_block));
 }
 
 template <int Width>
@@ -295,12 +289,7 @@ void Traversal::publish_minimum(const StagePlace& place) {
             emulation::publish_minimum(ray, lowered_.data(), minimum_.data());
         });
     });
-    if (log_.wants(StageKind::publish_minimum)) {
-        StageView stage = log_.stage(StageKind::publish_minimum, place, (count + 255) / 256, 256);
-        stage.inputs = {buffer_view(buffers::lowered, lowered_.view())};
-        stage.outputs = {buffer_view(buffers::minimum, minimum_.view())};
-        log_.show(stage);
-    }
+    show(StageKind::publish_minimum, place, (count + 255) / 256, 256);
 }
 
 bool Traversal::grow_hits(const StagePlace& place) {
@@ -331,49 +320,33 @@ void Traversal::merge(const StagePlace& place, std::span<reference::Hit> merged)
             merge_intersections(ray, scene, rays_.data(), hits, merged.data());
         });
     });
-    if (log_.wants(StageKind::merge_intersections)) {
-        StageView stage =
-            log_.stage(StageKind::merge_intersections, place, (count + 255) / 256, 256);
-        stage.inputs = {buffer_view(buffers::rays, rays_)};
-        show_hits(stage, true);
-        stage.outputs = {buffer_view(buffers::merged, std::span<const reference::Hit>(merged))};
-        log_.show(stage);
-    }
+    show(StageKind::merge_intersections, place, (count + 255) / 256, 256, merged);
 }
 
-void Traversal::show_hits(StageView& stage, bool as_input) const {
-    auto& shown = as_input ? stage.inputs : stage.outputs;
-    if (parameters_.hit_mode == HitMode::packed) {
-        shown.push_back(buffer_view(buffers::packed_hits, packed_.view()));
-        return;
-    }
-    shown.push_back(buffer_view(buffers::hit_counts, hit_counts_.view()));
-    reference::BufferView candidates = buffer_view(buffers::hits, candidates_.view());
-    candidates.shape = {rays_.size(), hit_capacity_, 2};
-    shown.push_back(candidates);
-}
-
-void Traversal::show_level(const StagePlace& place, StageKind kind, std::uint32_t blocks) {
-    StageView stage =
-        log_.stage(kind, place, blocks, static_cast<std::uint32_t>(parameters_.rays_per_block));
-    stage.inputs = {buffer_view(buffers::rays, rays_),
-                    buffer_view(buffers::node_counts, node_counts_.view()),
-                    buffer_view(buffers::queue_offsets, queue_offsets_.view()),
-                    buffer_view(buffers::block_offsets, block_offsets_.view()),
-                    buffer_view(buffers::child_offsets, child_offsets_.view())};
-    if (place.level > 0) stage.inputs.push_back(buffer_view(buffers::queue, queue_.view()));
-    if (parameters_.early_out != EarlyOut::off) {
-        stage.inputs.push_back(buffer_view(buffers::minimum, minimum_.view()));
-    }
-    stage.outputs = {buffer_view(buffers::child_counts, child_counts_.view()),
-                     buffer_view(buffers::child_queue, child_queue_.view())};
-    show_hits(stage, false);
-    if (alone_ && parameters_.early_out == EarlyOut::level) {
-        stage.outputs.push_back(buffer_view(buffers::lowered, lowered_.view()));
-    } else if (alone_ && parameters_.early_out == EarlyOut::immediate) {
-        stage.outputs.push_back(buffer_view(buffers::minimum, minimum_.view()));
-    }
-    log_.show(stage);
+void Traversal::show(StageKind kind, const StagePlace& place, std::uint32_t blocks,
+                     std::uint32_t threads, std::span<const reference::Hit> merged) {
+    const auto view_of = [&](const reference::BufferInfo& wanted) {
+        reference::BufferView shown;
+        const auto offer = [&](const auto& buffer, const auto& values, std::size_t rows = 0) {
+            if (buffer.name == wanted.name) shown = buffer_view(buffer, values, rows);
+        };
+        offer(buffers::rays, rays_);
+        offer(buffers::node_counts, node_counts_.view());
+        offer(buffers::queue_offsets, queue_offsets_.view());
+        offer(buffers::queue, queue_.view());
+        offer(buffers::block_offsets, block_offsets_.view());
+        offer(buffers::child_counts, child_counts_.view());
+        offer(buffers::child_offsets, child_offsets_.view());
+        offer(buffers::child_queue, child_queue_.view());
+        offer(buffers::hit_counts, hit_counts_.view());
+        offer(buffers::hits, candidates_.view(), rays_.size());
+        offer(buffers::packed_hits, packed_.view());
+        offer(buffers::minimum, minimum_.view());
+        offer(buffers::lowered, lowered_.view());
+        offer(buffers::merged, merged);
+        return shown;
+    };
+    log_.show(parameters_, kind, place, blocks, threads, view_of, alone_);
 }
 
 LevelView Traversal::level_view(std::uint32_t level) {

@@ -54,8 +54,9 @@ class Traversal {
     void publish_minimum(const StagePlace& place);
     bool grow_hits(const StagePlace& place);
     void merge(const StagePlace& place, std::span<reference::Hit> merged);
-    void show_level(const StagePlace& place, reference::StageKind kind, std::uint32_t blocks);
-    void show_hits(reference::StageView& stage, bool as_input) const;
+    /// The launch just made, to an observer that wants it.
+    void show(reference::StageKind kind, const StagePlace& place, std::uint32_t blocks,
+              std::uint32_t threads, std::span<const reference::Hit> merged = {});
 
     LevelView level_view(std::uint32_t level);
     HitView hit_view();

@@ -2,31 +2,10 @@
 /// node alone, depth-first. Leaves of the level are treated as on every level.
 #pragma once
 
-#include <cstring>
-
 #include "emulation/kernels/intersect.h"
 #include "reference/numerics/closest_in_subtree.h"
 
 namespace scotty::emulation {
-
-/// The view of a BVH that reference/numerics/closest_in_subtree.h needs.
-template <int Width>
-struct SubtreeAccess {
-    reference::WideBvhView<Width> bvh;
-
-    template <class Record>
-    Record load(const Record* record) const {
-        Record copy;
-        std::memcpy(&copy, record, sizeof copy);
-        return copy;
-    }
-    const reference::WideNode<Width>* node(std::uint32_t ref) const { return bvh.inner + ref; }
-    std::uint32_t child_ref(const reference::WideNode<Width>* node, std::uint32_t child) const {
-        return bvh.node_refs[node->child[child]];
-    }
-    reference::Leaf leaf(std::uint32_t ref) const { return bvh.leaves[reference::ref_index(ref)]; }
-    const reference::LeafTriangle* triangles() const { return bvh.triangles; }
-};
 
 template <int Width>
 void intersect_subtrees(const Block& block, const reference::WideBvhView<Width>& bvh,
@@ -36,9 +15,10 @@ void intersect_subtrees(const Block& block, const reference::WideBvhView<Width>&
     visit_queue(block, bvh, rays, level, hits, minimum, grid_side,
                 [&](std::uint32_t inner, const BlockWork& work, const BlockRays& loaded) {
                     block.phase(work.count, [&](std::uint32_t thread) {
-                        const reference::HitCandidate best = reference::closest_in_subtree<Width>(
-                            SubtreeAccess<Width>{bvh}, inner, rays[loaded.id[thread]],
-                            loaded.limit[thread], any);
+                        const reference::HitCandidate best =
+                            reference::closest_in_subtree(bvh, inner, rays[loaded.id[thread]],
+                                                          loaded.limit[thread], any)
+                                .best;
                         if (best.primitive != reference::kNone) {
                             record_hit(loaded.id[thread], best, hits, minimum);
                         }

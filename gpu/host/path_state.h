@@ -1,10 +1,8 @@
-/// State of the paths in flight, in device memory, and host copies of it for observers.
+/// State of the paths in flight, in device memory.
 #pragma once
 
-#include <memory>
-#include <vector>
-
 #include "gpu/host/device_memory.h"
+#include "gpu/host/host_copies.h"
 #include "gpu/kernels/dialect.h"
 #include "gpu/kernels/views.h"
 #include "reference/contract/path_buffers.h"
@@ -49,6 +47,13 @@ struct PathState {
     void release() {
         reference::for_each_path_buffer(*this, [](const auto&, auto& buffer) { buffer.release(); });
     }
+    reference::BufferView view(const reference::BufferInfo& wanted, HostCopies& copies) const {
+        reference::BufferView shown;
+        reference::for_each_path_buffer(*this, [&](const auto& of, const auto& buffer) {
+            if (of.name == wanted.name) shown = copies.view(of, buffer.data(), buffer.size());
+        });
+        return shown;
+    }
     std::uint32_t count() const { return static_cast<std::uint32_t>(rays.size()); }
 
     DeviceMemory<reference::Ray> rays, shadow_rays;
@@ -56,32 +61,6 @@ struct PathState {
     DeviceMemory<std::uint32_t> pixel, sample, depth, flags;
     DeviceMemory<reference::Hit> path_hits, shadow_hits;
     DeviceMemory<reference::Vec3> image, variance, filtered;
-};
-
-/// Copies buffers to the host on demand; the views stay valid as long as this lives.
-class HostPathState {
- public:
-    explicit HostPathState(const PathState& device) : device_(device) {}
-
-    reference::BufferView view(const reference::BufferInfo& wanted) {
-        reference::BufferView result;
-        reference::for_each_path_buffer(device_, [&](const auto& of, const auto& buffer) {
-            if (of.name == wanted.name) result = copied(of, buffer);
-        });
-        return result;
-    }
-
- private:
-    template <class T>
-    reference::BufferView copied(const reference::Buffer<T>& of, const DeviceMemory<T>& buffer) {
-        auto host = std::make_shared<std::vector<T>>(
-            download(buffer.data(), buffer.size(), of.name.data()));
-        kept_.push_back(host);
-        return reference::buffer_view(of, std::span<const T>(*host));
-    }
-
-    const PathState& device_;
-    std::vector<std::shared_ptr<void>> kept_;
 };
 
 }  // namespace SCOTTY_DEVICE_NAMESPACE

@@ -115,9 +115,9 @@ class DevicePipeline final : public reference::StagedPipeline {
                 const Launch& launch_kernel) {
         const std::uint32_t blocks = item_blocks(threads);
         log_.run(kind, place, blocks, items, stream_.get(), [&] { launch_kernel(blocks); });
-        HostPathState host(paths_);
-        show(kind, place, blocks, kItemThreads,
-             [&](const reference::BufferInfo& buffer) { return host.view(buffer); });
+        HostCopies copies;
+        log_.show(parameters_, kind, place, blocks, kItemThreads,
+                  [&](const reference::BufferInfo& buffer) { return paths_.view(buffer, copies); });
     }
 
     reference::PathParameters path_;

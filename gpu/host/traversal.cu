@@ -189,12 +189,11 @@ bool Traversal::launch_level(const StagePlace& place) {
     const LevelView level = level_view(place.level);
     launch_scan(place, level);
     if (log_.observed() && overflowed()) return false;
-    if (log_.wants(StageKind::scan_counts)) show_scan(place, level);
+    show_scan(place);
     discard_slots(child_queue_.data(), child_queue_.size() * 4);
     launch_kernel(place, level);
     if (log_.observed() && overflowed()) return false;
-    const StageKind kind = level_stage(place);
-    if (log_.wants(kind)) show_level(place, level);
+    show_level(place);
     return true;
 }
 
@@ -242,7 +241,7 @@ void Traversal::launch_publish(const StagePlace& place) {
         SCOTTY_LAUNCH(publish_minimum, item_blocks(count_), kItemThreads, stream_, count_,
                       lowered_.data(), minimum_.data());
     });
-    if (log_.wants(StageKind::publish_minimum)) show_publish(place);
+    show(StageKind::publish_minimum, place, item_blocks(count_), kItemThreads);
 }
 
 void Traversal::launch_merge(const StagePlace& place, reference::Hit* merged) {
@@ -250,7 +249,7 @@ void Traversal::launch_merge(const StagePlace& place, reference::Hit* merged) {
         SCOTTY_LAUNCH(merge_intersections, item_blocks(count_), kItemThreads, stream_, count_,
                       scene_.view(), rays_, hit_view(), merged);
     });
-    if (log_.wants(StageKind::merge_intersections)) show_merge(place, merged);
+    show(StageKind::merge_intersections, place, item_blocks(count_), kItemThreads, merged);
 }
 
 void Traversal::run_stage(const reference::StageView& stage, DeviceMemory<reference::Ray>& rays,
@@ -275,7 +274,7 @@ void Traversal::run_stage(const reference::StageView& stage, DeviceMemory<refere
         case StageKind::scan_counts:
             load_scan(stage);
             launch_scan(place, level_view(place.level));
-            show_scan(place, level_view(place.level));
+            show_scan(place);
             break;
         case StageKind::publish_minimum:
             lowered_.upload(in.input(buffers::lowered), "minimum distances");
@@ -295,7 +294,7 @@ void Traversal::run_stage(const reference::StageView& stage, DeviceMemory<refere
         default:
             load_level(stage);
             launch_kernel(place, level_view(place.level));
-            show_level(place, level_view(place.level));
+            show_level(place);
             break;
     }
     alone_ = false;

@@ -82,10 +82,12 @@ class Traversal {
     reference::Error overflow_of(std::uint32_t node, const reference::StagePlace& place) const;
     /// True when something grew and the traversal has to run again.
     bool grow(const reference::StagePlace& place);
-    void show_scan(const reference::StagePlace& place, const LevelView& level);
-    void show_level(const reference::StagePlace& place, const LevelView& level);
-    void show_publish(const reference::StagePlace& place);
-    void show_merge(const reference::StagePlace& place, const reference::Hit* merged);
+    void show_scan(const reference::StagePlace& place);
+    void show_level(const reference::StagePlace& place);
+    /// The launch just made, to an observer that wants it. Of a level kernel the blocks are those
+    /// that its queues come in, not `blocks`.
+    void show(reference::StageKind kind, const reference::StagePlace& place, std::uint32_t blocks,
+              std::uint32_t threads, const reference::Hit* merged = nullptr);
 
     std::uint32_t scan_blocks_of(std::uint32_t level) const;
     LevelView level_view(std::uint32_t level) const;

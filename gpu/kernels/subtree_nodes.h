@@ -10,18 +10,24 @@
 
 namespace SCOTTY_DEVICE_NAMESPACE {
 
+/// One plane of each child's box, on one axis.
+template <int Width>
+struct alignas(Width == 2 ? 8 : 16) ChildPlanes {
+    float at[Width];
+};
+
 /// An inner node below the queues. On each axis the children's low planes stand beside their high
 /// ones, so that the address of the planes that a ray leaves by is that of the planes it enters by
 /// with one bit flipped. A child is a reference: an inner node's index in this array, or kLeafBit
 /// and the first triangle of a leaf.
 template <int Width>
 struct alignas(32 * Width) SubtreeNode {
-    reference::ChildPlanes<Width> planes[3][2];  ///< by axis: low, high
-    std::uint32_t child[Width];                  ///< kNone where there is none
+    ChildPlanes<Width> planes[3][2];  ///< by axis: low, high
+    std::uint32_t child[Width];       ///< kNone where there is none
 };
 /// The length of a node in sets of planes.
 constexpr std::uint32_t kPlanesInNode = 8;
-static_assert(sizeof(SubtreeNode<4>) == kPlanesInNode * sizeof(reference::ChildPlanes<4>));
+static_assert(sizeof(SubtreeNode<4>) == kPlanesInNode * sizeof(ChildPlanes<4>));
 
 /// One coordinate of a triangle's corners. By its address, rays read the axis of their largest
 /// direction component as the last one (reference::swap_axes).

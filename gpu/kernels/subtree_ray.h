@@ -1,10 +1,10 @@
 /// A ray on its way through a subtree, alone and depth-first.
 ///
-/// SubtreeWalk in reference/numerics/closest_in_subtree.h defines what it does, in which order and
-/// with which bits; how it does so is the device's matter. Comparisons, selections and integer sums
-/// share a pipe with half the rate of multiply-adds, and make up most of an ordinary walk. So
-/// planes are selected by address, minima and maxima take three values at once, and a waiting child
-/// is its sort key and its parent, and is looked up when its turn comes.
+/// closest_in_subtree() in reference/numerics/closest_in_subtree.h defines what it does, in which
+/// order and with which bits; how it does so is the device's matter. Comparisons, selections and
+/// integer sums share a pipe with half the rate of multiply-adds, and make up most of an ordinary
+/// walk. So planes are selected by address, minima and maxima take three values at once, and a
+/// waiting child is its sort key and its parent, and is looked up when its turn comes.
 #pragma once
 
 #include "gpu/kernels/dialect.h"
@@ -19,7 +19,7 @@ template <int Width>
 struct SubtreeRay {
     /// Planes are loaded in pieces of this many children.
     static constexpr int kGroup = Width < 4 ? Width : 4;
-    using Planes = reference::ChildPlanes<kGroup>;
+    using Planes = ChildPlanes<kGroup>;
 
     reference::RaySlabs slabs;
     const Planes* near_x;  ///< of node 0: the planes that the ray enters by

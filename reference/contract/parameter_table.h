@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <span>
 #include <string>
 #include <string_view>
@@ -24,10 +25,10 @@ enum class ParameterGroup {
 };
 
 struct ParameterInfo {
-    std::string_view name;    ///< of the member, in JSON too
-    std::string_view option;  ///< on command lines; image_width and image_height share one
-    std::string_view title;   ///< in messages and labels
-    std::string_view help;
+    std::string_view name = {};    ///< of the member, in JSON too
+    std::string_view option = {};  ///< on command lines; image_width and image_height share one
+    std::string_view title = {};   ///< in messages and labels
+    std::string_view help = {};
     ParameterGroup group = ParameterGroup::picture;
     /// Valid numbers; of an enumeration its words.
     std::uint64_t low = 0, high = 0;
@@ -52,14 +53,21 @@ inline constexpr std::array kShadowQueryWords{"any", "closest"};
 inline constexpr std::array kFilterWords{"none", "gaussian", "bilateral", "median"};
 inline constexpr std::array kArithmeticWords{"exact", "fast"};
 
+/// A row; `values` says which are valid.
 template <auto Member>
-constexpr ParameterInfo access(ParameterInfo info) {
-    info.get = [](const PipelineParameters& p) { return static_cast<std::uint64_t>(p.*Member); };
-    info.set = [](PipelineParameters& p, std::uint64_t value) {
+constexpr ParameterInfo row(std::string_view name, std::string_view option, std::string_view title,
+                            std::string_view help, ParameterGroup group, ParameterInfo values) {
+    values.name = name;
+    values.option = option;
+    values.title = title;
+    values.help = help;
+    values.group = group;
+    values.get = [](const PipelineParameters& p) { return static_cast<std::uint64_t>(p.*Member); };
+    values.set = [](PipelineParameters& p, std::uint64_t value) {
         using Type = std::remove_reference_t<decltype(p.*Member)>;
         p.*Member = static_cast<Type>(value);
     };
-    return info;
+    return values;
 }
 
 }  // namespace detail
@@ -68,143 +76,64 @@ constexpr ParameterInfo access(ParameterInfo info) {
 inline constexpr std::array kParameters = [] {
     using P = PipelineParameters;
     using G = ParameterGroup;
-    using detail::access;
+    using detail::row;
     return std::array{
-        access<&P::image_width>({.name = "image_width",
-                                 .option = "--size",
-                                 .title = "image width",
-                                 .help = "image in pixels, any shape",
-                                 .low = 1,
-                                 .high = 65536}),
-        access<&P::image_height>({.name = "image_height",
-                                  .option = "--size",
-                                  .title = "image height",
-                                  .help = "image in pixels, any shape",
-                                  .low = 1,
-                                  .high = 65536}),
-        access<&P::spp>({.name = "spp",
-                         .option = "--spp",
-                         .title = "samples per pixel",
-                         .help = "samples per pixel",
-                         .low = 1,
-                         .high = 1u << 20}),
-        access<&P::bounces>({.name = "bounces",
-                             .option = "--bounces",
-                             .title = "bounces",
-                             .help = "scatterings after the primary hit",
-                             .high = 64}),
-        access<&P::light_samples>({.name = "light_samples",
-                                   .option = "--light-samples",
-                                   .title = "light samples",
-                                   .help = "direct-light rays per path vertex",
-                                   .high = 64}),
-        access<&P::roulette>({.name = "roulette",
-                              .option = "--roulette",
-                              .title = "roulette",
-                              .help = "scatterings after which paths end at random, by their "
-                                      "throughput. 0: never",
-                              .high = 64,
-                              .added_later = true}),
-        access<&P::seed>({.name = "seed",
-                          .option = "--seed",
-                          .title = "seed",
-                          .help = "of the random numbers",
-                          .high = ~std::uint64_t{0}}),
-        access<&P::width>({.name = "width",
-                           .option = "--width",
-                           .title = "tree width",
-                           .help = "children per node: 2, 4, 8 or 16",
-                           .group = G::tree,
-                           .only = detail::kWidths}),
-        access<&P::rays_per_block>({.name = "rays_per_block",
-                                    .option = "--rays-per-block",
-                                    .title = "rays per block",
-                                    .help = "threads per block: 32..1024, whole warps",
-                                    .group = G::pipeline,
-                                    .low = 32,
-                                    .high = 1024,
-                                    .multiple_of = 32}),
-        access<&P::max_leaf_size>({.name = "max_leaf_size",
-                                   .option = "--leaf-size",
-                                   .title = "triangles per leaf",
-                                   .help = "triangles per leaf, at most",
-                                   .group = G::tree,
-                                   .low = 1,
-                                   .high = 1024}),
-        access<&P::queue_levels>({.name = "queue_levels",
-                                  .option = "--queue-levels",
-                                  .title = "queue levels",
-                                  .help = "levels that have queues; below them each ray goes on "
-                                          "depth first. 0: all have",
-                                  .group = G::tree,
-                                  .high = 64,
-                                  .zero_is_all = true,
-                                  .added_later = true}),
-        access<&P::early_out>({.name = "early_out",
-                               .option = "--early-out",
-                               .title = "early-out",
-                               .help = "stop pushing rays on behind their nearest hit",
-                               .group = G::pipeline,
-                               .words = detail::kEarlyOutWords}),
-        access<&P::block_order>({.name = "block_order",
-                                 .option = "--block-order",
-                                 .title = "block order",
-                                 .help = "which rays a block takes",
-                                 .group = G::pipeline,
-                                 .words = detail::kBlockOrderWords}),
-        access<&P::hit_mode>({.name = "hit_mode",
-                              .option = "--hit-mode",
-                              .title = "hit mode",
-                              .help = "how hits of several leaves come together",
-                              .group = G::pipeline,
-                              .words = detail::kHitModeWords}),
-        access<&P::shadow_query>({.name = "shadow_query",
-                                  .option = "--shadow-query",
-                                  .title = "shadow query",
-                                  .help = "what a shadow ray asks for",
-                                  .group = G::pipeline,
-                                  .words = detail::kShadowQueryWords}),
-        access<&P::hit_capacity>({.name = "hit_capacity",
-                                  .option = "--hit-capacity",
-                                  .title = "hit capacity",
-                                  .help = "hit slots per ray at first; they grow",
-                                  .group = G::pipeline,
-                                  .low = 1,
-                                  .high = 65536}),
-        access<&P::batch_rays>({.name = "batch_rays",
-                                .option = "--batch-rays",
-                                .title = "rays per batch",
-                                .help = "rays in flight at once",
-                                .group = G::pipeline,
-                                .low = 1,
-                                .high = 1u << 28}),
-        access<&P::samples_per_pass>({.name = "samples_per_pass",
-                                      .option = "--samples-per-pass",
-                                      .title = "samples per pass",
-                                      .help = "samples that all pixels get before any gets its "
-                                              "next. 0: all",
-                                      .group = G::pipeline,
-                                      .high = 1u << 20,
-                                      .zero_is_all = true,
-                                      .added_later = true}),
-        access<&P::filter>({.name = "filter",
-                            .option = "--filter",
-                            .title = "filter",
-                            .help = "smooths an image of few samples",
-                            .group = G::filter,
-                            .words = detail::kFilterWords}),
-        access<&P::filter_threshold>({.name = "filter_threshold",
-                                      .option = "--filter-threshold",
-                                      .title = "filter threshold",
-                                      .help = "samples per pixel from which on nothing is filtered",
-                                      .group = G::filter,
-                                      .high = 0xffffffffu}),
-        access<&P::arithmetic>({.name = "arithmetic",
-                                .option = "--arithmetic",
-                                .title = "arithmetic",
-                                .help = "fast: approximate, with --backend cuda only",
-                                .group = G::arithmetic,
-                                .words = detail::kArithmeticWords})};
+        row<&P::image_width>("image_width", "--size", "image width", "image in pixels, any shape",
+                             G::picture, {.low = 1, .high = 65536}),
+        row<&P::image_height>("image_height", "--size", "image height",
+                              "image in pixels, any shape", G::picture, {.low = 1, .high = 65536}),
+        row<&P::spp>("spp", "--spp", "samples per pixel", "samples per pixel", G::picture,
+                     {.low = 1, .high = 1u << 20}),
+        row<&P::bounces>("bounces", "--bounces", "bounces", "scatterings after the primary hit",
+                         G::picture, {.high = 64}),
+        row<&P::light_samples>("light_samples", "--light-samples", "light samples",
+                               "direct-light rays per path vertex", G::picture, {.high = 64}),
+        row<&P::roulette>(
+            "roulette", "--roulette", "roulette",
+            "scatterings after which paths end at random, by their throughput. 0: never",
+            G::picture, {.high = 64, .added_later = true}),
+        row<&P::seed>("seed", "--seed", "seed", "of the random numbers", G::picture,
+                      {.high = ~std::uint64_t{0}}),
+        row<&P::width>("width", "--width", "tree width", "children per node: 2, 4, 8 or 16",
+                       G::tree, {.only = detail::kWidths}),
+        row<&P::rays_per_block>("rays_per_block", "--rays-per-block", "rays per block",
+                                "threads per block: 32..1024, whole warps", G::pipeline,
+                                {.low = 32, .high = 1024, .multiple_of = 32}),
+        row<&P::max_leaf_size>("max_leaf_size", "--leaf-size", "triangles per leaf",
+                               "triangles per leaf, at most", G::tree, {.low = 1, .high = 1024}),
+        row<&P::queue_levels>(
+            "queue_levels", "--queue-levels", "queue levels",
+            "levels that have queues; below them each ray goes on depth first. 0: all have",
+            G::tree, {.high = 64, .zero_is_all = true, .added_later = true}),
+        row<&P::early_out>("early_out", "--early-out", "early-out",
+                           "stop pushing rays on behind their nearest hit", G::pipeline,
+                           {.words = detail::kEarlyOutWords}),
+        row<&P::block_order>("block_order", "--block-order", "block order",
+                             "which rays a block takes", G::pipeline,
+                             {.words = detail::kBlockOrderWords}),
+        row<&P::hit_mode>("hit_mode", "--hit-mode", "hit mode",
+                          "how hits of several leaves come together", G::pipeline,
+                          {.words = detail::kHitModeWords}),
+        row<&P::shadow_query>("shadow_query", "--shadow-query", "shadow query",
+                              "what a shadow ray asks for", G::pipeline,
+                              {.words = detail::kShadowQueryWords}),
+        row<&P::hit_capacity>("hit_capacity", "--hit-capacity", "hit capacity",
+                              "hit slots per ray at first; they grow", G::pipeline,
+                              {.low = 1, .high = 65536}),
+        row<&P::batch_rays>("batch_rays", "--batch-rays", "rays per batch",
+                            "rays in flight at once", G::pipeline, {.low = 1, .high = 1u << 28}),
+        row<&P::samples_per_pass>("samples_per_pass", "--samples-per-pass", "samples per pass",
+                                  "samples that all pixels get before any gets its next. 0: all",
+                                  G::pipeline,
+                                  {.high = 1u << 20, .zero_is_all = true, .added_later = true}),
+        row<&P::filter>("filter", "--filter", "filter", "smooths an image of few samples",
+                        G::filter, {.words = detail::kFilterWords}),
+        row<&P::filter_threshold>("filter_threshold", "--filter-threshold", "filter threshold",
+                                  "samples per pixel from which on nothing is filtered", G::filter,
+                                  {.high = 0xffffffffu}),
+        row<&P::arithmetic>("arithmetic", "--arithmetic", "arithmetic",
+                            "fast: approximate, with --backend cuda only", G::arithmetic,
+                            {.words = detail::kArithmeticWords})};
 }();
 
 /// The row of that name; a name that is in no row does not compile.
@@ -224,6 +153,6 @@ void set_from_text(const ParameterInfo& info, PipelineParameters& parameters,
                    const std::string& text);
 /// "--width 8 --queue-levels 0 ...": the options of some parameters, ready for a command line.
 std::string options_of(const PipelineParameters& parameters,
-                       std::span<const ParameterGroup> groups);
+                       std::initializer_list<ParameterGroup> groups);
 
 }  // namespace scotty::reference

@@ -86,7 +86,7 @@ void set_from_text(const ParameterInfo& info, PipelineParameters& parameters,
 }
 
 std::string options_of(const PipelineParameters& parameters,
-                       std::span<const ParameterGroup> groups) {
+                       std::initializer_list<ParameterGroup> groups) {
     std::string text;
     for (const ParameterInfo& info : kParameters) {
         if (std::find(groups.begin(), groups.end(), info.group) == groups.end()) continue;

@@ -7,7 +7,7 @@
 
 namespace scotty::reference {
 
-/// When a ray stops being pushed on, given the nearest hit known so far (the report's "early out").
+/// When a ray stops being pushed on, given the nearest hit known so far ("early out" of the paper).
 enum class EarlyOut {
     off,       ///< never: every box overlapped is visited
     level,     ///< by the minimum as of the end of the level before: deterministic
@@ -15,20 +15,20 @@ enum class EarlyOut {
                ///< late
 };
 
-/// Which rays a block takes: its linear index, or the report's 2-D grid that spreads neighbouring
-/// blocks over different nodes ("block striding").
+/// Which rays a block takes: its linear index, or the 2018 paper's 2-D grid that spreads
+/// neighbouring blocks over different nodes ("block striding").
 enum class BlockOrder { linear, strided };
 
 /// How hits of concurrent leaves come together.
 enum class HitMode {
-    buffer,  ///< the report's multi-intersection buffer, one atomicAdd a hit, merged afterwards
+    buffer,  ///< the 2018 paper's multi-intersection buffer, one atomicAdd a hit, merged afterwards
     packed   ///< one 64-bit atomicMin of (t, primitive) a hit
 };
 
 /// What a shadow query asks for.
 enum class ShadowQuery {
     any,     ///< is anything in the way: a ray is done with its first hit (under an early-out)
-    closest  ///< the report's: a closest-hit traversal up to the light
+    closest  ///< the 2018 paper's: a closest-hit traversal up to the light
 };
 
 /// Which arithmetic the kernels are compiled to.
@@ -51,8 +51,8 @@ struct PipelineParameters {
     std::uint64_t seed = 0;
 
     int width = 8;            ///< children a node: 2, 4, 8 or 16
-    int rays_per_block = 64;  ///< threads a block: 32..1024, a multiple of 32
-    int max_leaf_size = 4;    ///< triangles a leaf, 1..1024
+    int rays_per_block = 64;  ///< threads per block: 32..1024, a multiple of 32
+    int max_leaf_size = 4;    ///< triangles per leaf, 1..1024
     /// Levels of the BVH that have queues, 1..64; below them each ray goes on depth first. 0: all.
     std::uint32_t queue_levels = 0;
     EarlyOut early_out = EarlyOut::level;
@@ -68,7 +68,7 @@ struct PipelineParameters {
     std::uint32_t samples_per_pass = 0;  ///< 0..2^20
 
     Filter filter = Filter::none;
-    std::uint32_t filter_threshold = 32;  ///< a filter is applied only below so many spp (report)
+    std::uint32_t filter_threshold = 32;  ///< a filter is applied only below so many spp (paper)
 
     Arithmetic arithmetic = Arithmetic::exact;
 };

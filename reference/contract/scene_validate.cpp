@@ -6,6 +6,7 @@
 
 #include "reference/base/error.h"
 #include "reference/contract/scene.h"
+#include "reference/contract/scene_fields.h"
 
 namespace scotty::reference {
 
@@ -226,9 +227,13 @@ class SceneHasher {
         word(static_cast<std::uint32_t>(value));
         word(static_cast<std::uint32_t>(value >> 32));
     }
-    void number(float value) { word(std::bit_cast<std::uint32_t>(value)); }
-    void vector(const Vec3& value) {
-        for (int axis = 0; axis < 3; ++axis) number(value[axis]);
+    void field(float value) { word(std::bit_cast<std::uint32_t>(value)); }
+    void field(const Vec3& value) {
+        for (int axis = 0; axis < 3; ++axis) field(value[axis]);
+    }
+    template <class Word>
+    void field(const Word& value) {
+        word(static_cast<std::uint32_t>(value));
     }
     /// An array of packed elements, its length first.
     template <class Element>
@@ -275,32 +280,12 @@ std::uint64_t fingerprint(const Scene& scene) {
     hash.array(scene.normals);
     hash.array(scene.triangles);
     hash.array(scene.material_of);
+    const auto add = [&](const auto& field) { hash.field(field); };
     hash.count(scene.materials.size());
-    for (const Material& material : scene.materials) {
-        hash.word(static_cast<std::uint32_t>(material.kind));
-        hash.vector(material.reflectance);
-        hash.vector(material.transmittance);
-        hash.number(material.ior);
-        hash.vector(material.emission);
-        hash.word(material.emission_is_sampled);
-    }
+    for (const Material& material : scene.materials) for_each_material_field(material, add);
     hash.count(scene.lights.size());
-    for (const Light& light : scene.lights) {
-        hash.word(static_cast<std::uint32_t>(light.kind));
-        hash.vector(light.position);
-        hash.vector(light.edge_x);
-        hash.vector(light.edge_y);
-        hash.vector(light.normal);
-        hash.vector(light.radiance);
-        hash.number(light.area);
-    }
-    hash.vector(scene.camera.position);
-    hash.vector(scene.camera.right);
-    hash.vector(scene.camera.up);
-    hash.vector(scene.camera.forward);
-    hash.number(scene.camera.tan_half_fov);
-    // Only where it counts, so that scenes without it keep the hashes that were recorded of them.
-    if (scene.camera.tan_half_width != 0.0f) hash.number(scene.camera.tan_half_width);
+    for (const Light& light : scene.lights) for_each_light_field(light, add);
+    for_each_camera_field(scene.camera, add, scene.camera.tan_half_width != 0.0f);
     return hash.digest();
 }
 

@@ -99,7 +99,7 @@ struct GatheredHits {
     std::span<const std::uint32_t> counts;
     std::span<const HitCandidate> candidates;
     std::span<const std::uint64_t> packed;
-    std::uint32_t capacity = 0;  ///< slots a ray
+    std::uint32_t capacity = 0;  ///< slots per ray
 };
 GatheredHits gathered_hits(const StageBuffers& buffers, const PipelineParameters& parameters,
                            std::size_t rays);

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "reference/contract/launch_record.h"
+#include "reference/contract/pipeline_parameters.h"
 #include "reference/contract/stage_observer.h"
+#include "reference/contract/stages.h"
 
 namespace scotty::reference {
 
@@ -23,22 +25,32 @@ class StageLog {
     /// Whether somebody follows every launch.
     bool observed() const { return observer_ != nullptr && observer_->follows_launches(); }
     bool wants(StageKind kind) const { return observer_ != nullptr && observer_->wants(kind); }
-    /// A stage view for the launch just noted, to be filled with buffers.
-    StageView stage(StageKind kind, const StagePlace& place, std::uint32_t blocks,
-                    std::uint32_t threads) const {
-        StageView view;
-        view.name = place.name(kind);
-        view.kind = kind;
-        view.launch = static_cast<std::uint32_t>(records_.size() - 1);
-        view.batch = place.batch;
-        view.bounce = place.bounce;
-        view.light = place.light;
-        view.level = place.level;
+    /// Shows the launch just noted, where the observer wants it, with the buffers of its stage's
+    /// table; with `alone` also what it lowers. `view_of(const BufferInfo&)` is a BufferView that
+    /// stays valid during the call.
+    template <class ViewOf>
+    void show(const PipelineParameters& parameters, StageKind kind, const StagePlace& place,
+              std::uint32_t blocks, std::uint32_t threads, const ViewOf& view_of,
+              bool alone = false) {
+        if (!wants(kind)) return;
+        StageView view = stage(kind, place);
+        if (kind == StageKind::filter) {
+            view.name = std::string("filter_") + to_string(parameters.filter);
+        }
         view.blocks = blocks;
         view.threads = threads;
-        return view;
+        const auto add = [&](std::vector<BufferView>& to, const auto& table) {
+            for (const StageBuffer& each : table) {
+                if (applies(each.when, parameters, place.level))
+                    to.push_back(view_of(*each.buffer));
+            }
+        };
+        const StageInfo& info = stage_info(kind);
+        add(view.inputs, info.inputs);
+        add(view.outputs, info.outputs);
+        if (alone) add(view.outputs, info.lowers);
+        observer_->on_stage(view);
     }
-    void show(const StageView& view) { observer_->on_stage(view); }
     void retry(const std::string& stage, const std::string& reason) {
         if (observer_ != nullptr) observer_->on_retry(stage, reason);
     }
@@ -55,6 +67,18 @@ class StageLog {
     std::vector<LaunchRecord> records_;
 
  private:
+    StageView stage(StageKind kind, const StagePlace& place) const {
+        StageView view;
+        view.name = place.name(kind);
+        view.kind = kind;
+        view.launch = static_cast<std::uint32_t>(records_.size() - 1);
+        view.batch = place.batch;
+        view.bounce = place.bounce;
+        view.light = place.light;
+        view.level = place.level;
+        return view;
+    }
+
     StageObserver* observer_;
 };
 

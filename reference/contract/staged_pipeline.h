@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "reference/contract/pipeline_interface.h"
@@ -31,22 +30,6 @@ class StagedPipeline : public PipelineInterface {
     std::uint32_t pixel_count() const { return parameters_.image_width * parameters_.image_height; }
     /// Throws bad_input naming the ray that traversal cannot take.
     static void expect_traceable(std::span<const Ray> rays);
-
-    /// Shows the launch just made of a shading stage with the buffers of its table;
-    /// `view_of(const BufferInfo&)` is a BufferView that stays valid during the call.
-    template <class ViewOf>
-    void show(StageKind kind, const StagePlace& place, std::uint32_t blocks, std::uint32_t threads,
-              ViewOf&& view_of) {
-        if (!log().wants(kind)) return;
-        StageView stage = log().stage(kind, place, blocks, threads);
-        if (kind == StageKind::filter) {
-            stage.name = std::string("filter_") + to_string(parameters_.filter);
-        }
-        const StageInfo& info = stage_info(kind);
-        for (const auto& input : info.inputs) stage.inputs.push_back(view_of(*input.buffer));
-        for (const auto& output : info.outputs) stage.outputs.push_back(view_of(*output.buffer));
-        log().show(stage);
-    }
 
     PipelineParameters parameters_;
 

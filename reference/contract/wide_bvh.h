@@ -21,7 +21,7 @@ namespace scotty::reference {
 
 struct BvhParameters {
     int width = 8;            ///< 2, 4, 8 or 16
-    int max_leaf_size = 4;    ///< triangles a leaf at most, 1..1024; fewer where that is cheaper
+    int max_leaf_size = 4;    ///< triangles per leaf at most, 1..1024; fewer where that is cheaper
     std::size_t threads = 0;  ///< 0: all. The result does not depend on it.
     std::uint32_t queue_levels = 0;  ///< see cut_levels(); 0: all
 };

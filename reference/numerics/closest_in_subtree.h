@@ -55,70 +55,6 @@ SCOTTY_HD void sort_visits(std::uint32_t (&keys)[Width]) {
     }
 }
 
-/// One plane of each child's box, on one axis.
-template <int Width>
-struct alignas(Width == 2 ? 8 : 16) ChildPlanes {
-    float at[Width];
-};
-
-/// Where a ray enters and leaves the children's boxes. The planes that it enters by are found by
-/// address, so that nothing has to be selected for every child.
-template <int Width, class Access>
-SCOTTY_HD void visits_of(const WideNode<Width>* node, const RaySlabs& slabs, const Ray& ray,
-                         float limit, const Access& access, std::uint32_t (&keys)[Width]) {
-    using Planes = ChildPlanes<Width>;
-    constexpr int kHigh = 3;  // low_x, low_y, low_z, high_x, ...
-    const auto* planes = reinterpret_cast<const Planes*>(node->low_x);
-    const float last = min_number(ray.t_max, limit);
-    float entry[Width];
-    float exit[Width];
-    SCOTTY_UNROLL
-    for (int axis = 0; axis < 3; ++axis) {
-        const float inverse = axis == 0   ? slabs.inverse.x
-                              : axis == 1 ? slabs.inverse.y
-                                          : slabs.inverse.z;
-        const float near_offset = axis == 0   ? slabs.near_offset.x
-                                  : axis == 1 ? slabs.near_offset.y
-                                              : slabs.near_offset.z;
-        const float far_offset = axis == 0   ? slabs.far_offset.x
-                                 : axis == 1 ? slabs.far_offset.y
-                                             : slabs.far_offset.z;
-        const int high = inverse > 0.0f ? kHigh : 0;
-        const Planes near = access.load(planes + axis + kHigh - high);
-        const Planes far = access.load(planes + axis + high);
-        SCOTTY_UNROLL
-        for (int child = 0; child < Width; ++child) {
-            const float enters = fmaf(near.at[child], inverse, near_offset);
-            const float leaves = fmaf(far.at[child], inverse, far_offset);
-            entry[child] = axis == 0 ? enters : max_number(entry[child], enters);
-            exit[child] = axis == 0 ? leaves : min_number(exit[child], leaves);
-        }
-    }
-    SCOTTY_UNROLL
-    for (int child = 0; child < Width; ++child) {
-        const float enters = max_number(entry[child], ray.t_min);
-        const bool entered = enters <= min_number(exit[child], last);
-        keys[child] = entered ? visit_key(enters, static_cast<std::uint32_t>(child)) : kNone;
-    }
-}
-
-/// Lowers `best` to the closest hit of one leaf.
-template <class Access>
-SCOTTY_HD void closest_in_leaf(const LeafTriangle* triangles, const Leaf& leaf, const Ray& ray,
-                               const Vec3& inverse, const RayShear& shear, const Access& access,
-                               HitCandidate& best) {
-    for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i) {
-        const LeafTriangle triangle = access.load(triangles + i);
-        Hit hit = no_hit();
-        if (intersect_triangle_line(ray.origin, inverse, shear, triangle.v0, triangle.v1,
-                                    triangle.v2, hit) &&
-            ray.t_min <= hit.t && hit.t < ray.t_max &&
-            closer(hit.t, triangle.primitive, best.t, best.primitive)) {
-            best = {hit.t, triangle.primitive};
-        }
-    }
-}
-
 /// Offsets that stay finite for a ray from however far away: the planes of a missing child are
 /// infinite, and must not meet an infinity of the other sign.
 SCOTTY_HD Vec3 saturated(const Vec3& offset) {
@@ -138,109 +74,82 @@ SCOTTY_HD RaySlabs slabs_below(const float (&low)[3], const float (&high)[3], co
 /// Where a ray enters its first box: never -0, since entries are ordered by their bits.
 SCOTTY_HD float first_entry(const Ray& ray) { return ray.t_min + 0.0f; }
 
-/// One ray on its way through a subtree: the closest hit below its root, or with `any` the closest
-/// of the first leaf that has one, at or before `limit`. Nodes and leaves alternate in runs, so
-/// that rays that are traced side by side meet at leaves.
-///
-/// `access` loads records, and knows what a child of a node is: Record load(const Record*),
-/// const WideNode<Width>* node(ref), child_ref(const WideNode<Width>*, child), Leaf leaf(ref),
-/// const LeafTriangle* triangles().
+/// What a search has found, and what it looked at.
+struct SubtreeSearch {
+    HitCandidate best{kInfinity, kNone};  ///< the first leaf's with a hit, where any hit will do
+    std::uint32_t nodes = 0;              ///< inner nodes whose children's boxes were tested
+    std::uint32_t children = 0;           ///< of them, entered
+    std::uint32_t triangles = 0;          ///< tested
+};
+
+/// Keys of the children whose boxes the ray enters no farther than `limit`.
 template <int Width>
-struct SubtreeWalk {
+SCOTTY_HD void visits_of(const WideNode<Width>& node, const RaySlabs& slabs, float t_min,
+                         float limit, std::uint32_t (&keys)[Width]) {
+    for (int i = 0; i < Width; ++i) {
+        const BoxInterval inside =
+            clip(intersect_box(slabs, Vec3(node.low_x[i], node.low_y[i], node.low_z[i]),
+                               Vec3(node.high_x[i], node.high_y[i], node.high_z[i])),
+                 t_min, limit);
+        keys[i] = overlaps(inside) ? visit_key(inside.entry, static_cast<std::uint32_t>(i)) : kNone;
+    }
+}
+
+/// Lowers `best` to the closest hit in a leaf at or before `limit`.
+SCOTTY_HD void closest_in_leaf(const LeafTriangle* triangles, const Leaf& leaf, const Ray& ray,
+                               const Vec3& inverse, const RayShear& shear, float limit,
+                               HitCandidate& best) {
+    for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i) {
+        const LeafTriangle& triangle = triangles[i];
+        Hit hit = no_hit();
+        if (intersect_triangle_line(ray.origin, inverse, shear, triangle.v0, triangle.v1,
+                                    triangle.v2, hit) &&
+            ray.t_min <= hit.t && hit.t < ray.t_max && hit.t <= limit &&
+            closer(hit.t, triangle.primitive, best.t, best.primitive)) {
+            best = {hit.t, triangle.primitive};
+        }
+    }
+}
+
+/// The closest hit of a ray below the inner node `root`, or with `any` the closest of the first
+/// leaf that has one, at or before `limit`.
+template <int Width>
+SCOTTY_HD SubtreeSearch closest_in_subtree(const WideBvhView<Width>& bvh, std::uint32_t root,
+                                           const Ray& ray, float limit, bool any) {
     struct Waiting {
         float entry;
         std::uint32_t ref;
     };
-
-    Ray ray;
-    RaySlabs slabs;
-    RayShear shear;
-    float limit;
-    bool any;
-    HitCandidate best;  ///< {+infinity, kNone} while there is none
-    std::uint32_t ref;  ///< where the ray is, kNone: at its end
-    std::uint32_t waiting;
-    Waiting stack[kSubtreeStack];
-
-    template <class Access>
-    SCOTTY_HD void begin(const Access& access, std::uint32_t root, const Ray& its_ray,
-                         float its_limit, bool any_hit) {
-        ray = its_ray;
-        ray.t_min = first_entry(ray);
-        limit = its_limit;
-        any = any_hit;
-        best = {kInfinity, kNone};
-        ref = root;
-        waiting = 0;
-        if (is_leaf(root)) {
-            slabs = {safe_inverse(ray.direction), Vec3(0.0f), Vec3(0.0f)};  // no boxes
-        } else {
-            slabs = slabs_below(access.node(root)->low, access.node(root)->high, ray);
+    Waiting stack[kSubtreeStack + 1];  // a node's children wait for a moment all together
+    std::uint32_t waiting = 0;
+    const RaySlabs slabs = slabs_below(bvh.inner[root].low, bvh.inner[root].high, ray);
+    const RayShear shear = ray_shear(ray.direction);
+    SubtreeSearch found;
+    stack[waiting++] = {first_entry(ray), root};
+    while (waiting > 0) {
+        const Waiting next = stack[--waiting];
+        if (next.entry > found.best.t) continue;
+        if (is_leaf(next.ref)) {
+            const Leaf leaf = bvh.leaves[ref_index(next.ref)];
+            found.triangles += leaf.count;
+            closest_in_leaf(bvh.triangles, leaf, ray, slabs.inverse, shear, limit, found.best);
+            if (any && found.best.primitive != kNone) break;
+            continue;
         }
-        shear = ray_shear(ray.direction);
-    }
-
-    /// Goes down, nearest child first, until the ray is at a leaf or at its end.
-    template <class Access>
-    SCOTTY_HD void enter_nodes(const Access& access) {
-        while (!is_leaf(ref)) {
-            const WideNode<Width>* const node = access.node(ref);
-            std::uint32_t keys[Width];
-            visits_of<Width>(node, slabs, ray, limit < best.t ? limit : best.t, access, keys);
-            sort_visits<Width>(keys);
-            SCOTTY_UNROLL
-            for (int i = Width - 1; i > 0; --i) {
-                if (keys[i] == kNone) continue;
-                stack[waiting++] = {float_of(keys[i] & ~kChildBits),
-                                    access.child_ref(node, keys[i] & kChildBits)};
-            }
-            if (keys[0] != kNone) {
-                ref = access.child_ref(node, keys[0] & kChildBits);
-            } else {
-                next();
-            }
+        const WideNode<Width>& node = bvh.inner[next.ref];
+        std::uint32_t keys[Width];
+        visits_of(node, slabs, first_entry(ray),
+                  min_number(ray.t_max, min_number(limit, found.best.t)), keys);
+        sort_visits(keys);
+        found.nodes += 1;
+        for (int i = Width - 1; i >= 0; --i) {  // the nearest child is on top
+            if (keys[i] == kNone) continue;
+            found.children += 1;
+            stack[waiting++] = {float_of(keys[i] & ~kChildBits),
+                                bvh.node_refs[node.child[keys[i] & kChildBits]]};
         }
     }
-
-    /// Until the ray is at an inner node or at its end.
-    template <class Access>
-    SCOTTY_HD void intersect_leaves(const Access& access) {
-        while (is_leaf(ref) && ref != kNone) {
-            HitCandidate found = best;
-            closest_in_leaf(access.triangles(), access.leaf(ref), ray, slabs.inverse, shear, access,
-                            found);
-            if (found.t <= limit) best = found;
-            if (any && best.primitive != kNone) {
-                ref = kNone;
-            } else {
-                next();
-            }
-        }
-    }
-
- private:
-    SCOTTY_HD void next() {
-        do {
-            if (waiting == 0) {
-                ref = kNone;
-                return;
-            }
-            --waiting;
-        } while (stack[waiting].entry > best.t);
-        ref = stack[waiting].ref;
-    }
-};
-
-template <int Width, class Access>
-SCOTTY_HD HitCandidate closest_in_subtree(const Access& access, std::uint32_t root, const Ray& ray,
-                                          float limit, bool any) {
-    SubtreeWalk<Width> walk;
-    walk.begin(access, root, ray, limit, any);
-    while (walk.ref != kNone) {
-        walk.enter_nodes(access);
-        walk.intersect_leaves(access);
-    }
-    return walk.best;
+    return found;
 }
 
 }  // namespace scotty::reference

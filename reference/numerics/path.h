@@ -63,7 +63,7 @@ struct DirectLight {
     Vec3 potential;  ///< radiance to add to the pixel's path if nothing is in the way
 };
 
-/// One direct-light sample at a path vertex (the report's "direct light ray generation").
+/// One direct-light sample at a path vertex (the 2018 paper's "direct light ray generation").
 SCOTTY_HD DirectLight sample_direct_light(const SceneView& scene, const PathParameters& parameters,
                                           const Ray& ray, const Hit& hit, const Vec3& throughput,
                                           const Random4& random) {
@@ -105,7 +105,7 @@ struct Scattered {
     std::uint32_t flags;
 };
 
-/// Emission at a path vertex and the next ray (the report's "scene ray generation").
+/// Emission at a path vertex and the next ray (the 2018 paper's "scene ray generation").
 /// A path that leaves the scene keeps what it has gathered.
 SCOTTY_HD Scattered scatter(const SceneView& scene, const PathParameters& parameters,
                             std::uint32_t bounce, const Ray& ray, const Hit& hit,

@@ -45,7 +45,7 @@ SampleSums trace_paths(const Scene& scene, const PipelineParameters& parameters,
     if (sums.samples > parameters.spp) {
         throw Error::bad_input(
             options.state.string(),
-            fmt::format("holds {} samples a pixel, more than the {} asked for; ask for as many, "
+            fmt::format("holds {} samples per pixel, more than the {} asked for; ask for as many, "
                         "or remove it",
                         sums.samples, parameters.spp));
     }

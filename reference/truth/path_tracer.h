@@ -25,7 +25,7 @@ struct PathTracerOptions {
     /// `samples_a_round` samples. Empty: nothing is kept.
     std::filesystem::path state;
     std::uint32_t samples_a_round = 64;  ///< at least 1
-    /// After each round: samples a pixel that are done, and in all. May throw to end the run.
+    /// After each round: samples per pixel that are done, and in all. May throw to end the run.
     std::function<void(std::uint64_t done, std::uint64_t total)> progress;
 };
 

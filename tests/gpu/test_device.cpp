@@ -9,6 +9,7 @@
 #include "gpu/parity/parity.h"
 #include "reference/base/error.h"
 #include "scenes/scenes.h"
+#include "tests/small_parameters.h"
 #include "verify/backends/backend.h"
 #include "verify/backends/temporary_capture.h"
 #include "verify/diff/replay.h"
@@ -28,15 +29,7 @@ bool no_device() {
     return true;
 }
 
-PipelineParameters small() {
-    PipelineParameters p;
-    p.image_width = 29;
-    p.image_height = 23;
-    p.spp = 2;
-    p.bounces = 1;
-    p.light_samples = 1;
-    return p;
-}
+PipelineParameters small() { return scotty::test::small_picture(29, 23, 2); }
 
 verify::PipelineInput input_of(const char* scene, const PipelineParameters& p) {
     verify::PipelineInput input;

@@ -25,7 +25,7 @@ inline std::vector<AnalysisPoint> made_bars(const std::vector<std::string>& labe
     std::vector<AnalysisPoint> points;
     for (const std::string& label : labels) {
         points.push_back(made_point(0.0, 1.0 + static_cast<double>(points.size()), label));
-        points.back().more = {{"rays", 100.0}, {"entries a ray", 5.0}};
+        points.back().more = {{"rays", 100.0}, {"entries per ray", 5.0}};
     }
     return points;
 }

@@ -12,6 +12,7 @@
 #include "emulation/host/pipeline.h"
 #include "reference/contract/wide_bvh.h"
 #include "scenes/scenes.h"
+#include "tests/small_parameters.h"
 #include "tests/temporary_folder.h"
 #include "tests/verify/stage_copies.h"
 #include "verify/capture/capture.h"
@@ -33,12 +34,7 @@ inline std::string replaced(std::string text, const std::string& from, const std
 
 /// Small, but several levels, blocks a node, bounces and lights.
 inline reference::PipelineParameters small_parameters() {
-    reference::PipelineParameters p;
-    p.image_width = 13;
-    p.image_height = 11;
-    p.spp = 2;
-    p.bounces = 1;
-    p.light_samples = 1;
+    reference::PipelineParameters p = scotty::test::small_picture(13, 11, 2);
     p.width = 4;
     p.rays_per_block = 32;
     p.hit_capacity = 32;

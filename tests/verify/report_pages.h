@@ -150,8 +150,8 @@ inline SceneReport scene(const std::string& name) {
     report.hits.rays = report.hits.brute_force_rays = 16874;
     report.hits.embree_rays = 26182;
     report.image.pixels = report.image.identical = 1665;
-    for (const char* label : {"baseline: width 8, 64 rays a block, early-out off",
-                              "width 4, 32 rays a block, early-out level"}) {
+    for (const char* label : {"baseline: width 8, 64 rays per block, early-out off",
+                              "width 4, 32 rays per block, early-out level"}) {
         ConfigurationReport configuration;
         configuration.label = label;
         configuration.rays = 16990;

@@ -11,16 +11,17 @@ namespace scotty::verify {
 namespace {
 
 // The sources of the values given here.
-constexpr const char* kReport = "report, GTX 1080 Ti";
-constexpr const char* kReportCode = "report's code, H100";
-constexpr const char* kFigure = "the report's figure: CBcoil, 256x256, 4 samples, a GTX 1080 Ti";
+constexpr const char* kReport = "paper, GTX 1080 Ti";
+constexpr const char* kReportCode = "paper's code, H100";
+constexpr const char* kFigure =
+    "the 2018 paper's figure: CBcoil, 256x256, 4 samples, a GTX 1080 Ti";
 constexpr const char* kProfile =
-    "the report's kernel table: 65,536 rays, 256 a block, a tree of 8 levels, scene not named, "
+    "the 2018 paper's kernel table: 65,536 rays, 256 a block, a tree of 8 levels, scene not named, "
     "a GTX 1080 Ti";
 constexpr const char* kCode256 =
-    "the report's published code on an H100: CBcoil, 256x256, 4 samples, leaves of 32";
+    "the 2018 paper's published code on an H100: CBcoil, 256x256, 4 samples, leaves of 32";
 constexpr const char* kCode1024 =
-    "the report's published code on an H100: CBcoil, 1024x1024, width 4, leaves of 32";
+    "the 2018 paper's published code on an H100: CBcoil, 1024x1024, width 4, leaves of 32";
 
 AnalysisPoint at(double x, double y) { return {x, "", y, y, y}; }
 AnalysisPoint of(const char* label, double y) { return {0.0, label, y, y, y}; }
@@ -42,7 +43,7 @@ AnalysisDefinition rays() {
         "Total rays per traversal",
         "Time grows less than in proportion: four times the rays take about three times as long "
         "(a slope of 0.79 where 1 is proportional).",
-        "Whole renders of 1 to 16 samples a pixel (64 on a device), all rays of a render in one "
+        "Whole renders of 1 to 16 samples per pixel (64 on a device), all rays of a render in one "
         "traversal. Both axes are logarithmic.",
         {{false,
           {"rays of a traversal: width x height x samples", Scale::log2},
@@ -50,7 +51,7 @@ AnalysisDefinition rays() {
           Relative::none,
           "ms a render"}},
         {},
-        {{0, "in proportion", {}, 1.0}, {0, "report: slope 0.79", {}, 0.7925}}};
+        {{0, "in proportion", {}, 1.0}, {0, "paper: slope 0.79", {}, 0.7925}}};
 }
 
 AnalysisDefinition width() {
@@ -73,11 +74,11 @@ AnalysisDefinition width() {
 AnalysisDefinition rays_per_block() {
     return {"rays-per-block",
             "Rays per block",
-            "64 rays a block are fastest, and the code is bound by computation, since a "
+            "64 rays per block are fastest, and the code is bound by computation, since a "
             "multiprocessor runs 64 threads at a time.",
             "Whole renders, which take turns; each series over its own fastest.",
             {{false,
-              {"rays a block", Scale::log2},
+              {"rays per block", Scale::log2},
               {"time, 1 is the fastest"},
               Relative::to_least,
               "ms a render"}},
@@ -110,7 +111,7 @@ AnalysisDefinition levels() {
         "Time by level",
         "The top three levels take most of the time, since blocks contend for few nodes; below, "
         "there are fewer rays and more nodes, and time falls off quickly.",
-        "Intersection kernels of the primary traversal, with the report's tree: width 4, "
+        "Intersection kernels of the primary traversal, with the 2018 paper's tree: width 4, "
         "leaves of up to 32. Each series as percent of its own sum.",
         {{false,
           kLevel,
@@ -138,7 +139,7 @@ AnalysisDefinition stages() {
                of("direct-light rays", 0.333248), of("primary rays", 0.194849)}},
              {0,
               kReportCode,
-              "the report's published code on an H100: CBcoil, 1024x1024, 4 samples, width 8",
+              "the 2018 paper's published code on an H100: CBcoil, 1024x1024, 4 samples, width 8",
               {of("traversal", 62), of("scans", 1), of("merge", 11), of("direct-light rays", 11),
                of("primary rays", 4), of("scene rays", 4), of("clearing", 6)},
               "%"}},
@@ -151,7 +152,7 @@ AnalysisDefinition early_out() {
             "Rays stop being pushed on behind the nearest hit so far. It saves work, in a way that "
             "depends on which block comes first; how much is not said.",
             "Whole renders without, by the minimum as of the level before, and by the minimum at "
-            "this moment (the report's). Queue entries are exact counts of one more render.",
+            "this moment (the 2018 paper's). Queue entries are exact counts of one more render.",
             {{true, {}, {"time, % of off"}, Relative::to_first, "ms a render"},
              {true, {}, {"queue entries, % of off"}, Relative::to_first, "queue entries"}},
             {},
@@ -168,7 +169,7 @@ AnalysisDefinition strided() {
             {{false, kLevel, {"ms", Scale::log10}, Relative::none, "ms"},
              {false, kLevel, {"strided over linear", Scale::linear}, Relative::none, "ratio"}},
             {},
-            {{1, "no change", 1.0, {}}, {1, "report, all levels: 0.75", 0.75, {}}}};
+            {{1, "no change", 1.0, {}}, {1, "paper, all levels: 0.75", 0.75, {}}}};
 }
 
 AnalysisDefinition limited_blocks() {
@@ -178,7 +179,7 @@ AnalysisDefinition limited_blocks() {
         "A block for every part of every queue that could hold all rays would be several million "
         "blocks, where a couple of hundred have work.",
         "Blocks of the primary traversal, counted exactly from its queues: as the scan of "
-        "ceil(count / rays a block) gives them, and nodes x ceil(all rays / rays a block). The "
+        "ceil(count / rays per block) gives them, and nodes x ceil(all rays / rays per block). The "
         "second is not implemented, so no time is given for it.",
         {{false, kLevel, {"blocks", Scale::log10}, Relative::none, "blocks"}},
         {{0, kReport, kProfile, by_level({256, 306, 323, 110, 210, 675, 756, 224})}},
@@ -198,8 +199,8 @@ AnalysisDefinition memory() {
               Relative::none,
               "bytes a ray"}},
             {},
-            {{0, "report's code, width 8: 10 kB", 10000.0, {}},
-             {0, "report's code, width 4: 5.9 kB", 5900.0, {}}}};
+            {{0, "paper's code, width 8: 10 kB", 10000.0, {}},
+             {0, "paper's code, width 4: 5.9 kB", 5900.0, {}}}};
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ struct PanelDefinition {
 /// Values that others have found.
 struct GivenSeries {
     std::size_t panel = 0;
-    std::string name;    ///< "report, GTX 1080 Ti"
+    std::string name;    ///< "paper, GTX 1080 Ti"
     std::string source;  ///< where they are published, and how they were measured
     std::vector<AnalysisPoint> points;
     std::string column{};  ///< in the table; empty: the panel's

@@ -6,6 +6,8 @@
 
 namespace scotty::verify {
 
+namespace buffers = reference::buffers;
+
 using reference::StageKind;
 
 bool QueueCensus::wants(StageKind kind) const {
@@ -14,7 +16,7 @@ bool QueueCensus::wants(StageKind kind) const {
 
 void QueueCensus::on_stage(const reference::StageView& stage) {
     if (stage.kind == StageKind::scan_counts) {
-        const auto counts = stage.get<std::uint32_t>("node_counts");
+        const auto counts = stage.get(buffers::node_counts);
         LevelCensus level;
         level.nodes = counts.size();
         for (const std::uint32_t count : counts) {
@@ -28,7 +30,7 @@ void QueueCensus::on_stage(const reference::StageView& stage) {
         level.all_slots = level.nodes * slots_a_node_;
         current_.levels.push_back(level);
     } else if (stage.kind == StageKind::merge_intersections) {
-        const auto rays = stage.get<reference::Ray>("rays");
+        const auto rays = stage.get(buffers::rays);
         current_.bounce = stage.bounce;
         current_.light = stage.light;
         current_.rays = static_cast<std::uint64_t>(std::count_if(

@@ -47,8 +47,8 @@ std::string on_rays(const AnalysisResult& result) {
         "long; {}",
         *slope, short_number(points.front().x), short_number(points.back().x),
         std::pow(4.0, *slope),
-        *slope < 0.9 ? "less than in proportion, as in the report (3 times)"
-                     : "about in proportion, where the report has 3 times");
+        *slope < 0.9 ? "less than in proportion, as in the paper (3 times)"
+                     : "about in proportion, where the paper has 3 times");
 }
 
 /// The fastest of a sweep, and the others that its repeats do not tell from it.
@@ -68,7 +68,7 @@ std::string fastest(const Points& points, double reports, const std::string& wha
     }
     if (!equal.empty()) text += fmt::format(", which the repeats do not tell from {}", equal);
     return text + fmt::format(
-                      "; the slowest takes {:.2f} times as long; the report's fastest, "
+                      "; the slowest takes {:.2f} times as long; the 2018 paper's fastest, "
                       "{:.0f}, is {}",
                       slowest, reports, report_equals ? "as good" : "slower here");
 }
@@ -86,7 +86,7 @@ std::string on_bounces(const AnalysisResult& result) {
         if (p.label.starts_with("scene rays")) {
             scene += p.y * rays;
             scene_rays += rays;
-            entries += p.column("entries a ray") * rays;
+            entries += p.column("entries per ray") * rays;
         } else if (p.label.starts_with("direct light")) {
             direct += p.y * rays;
             direct_rays += rays;
@@ -100,10 +100,10 @@ std::string on_bounces(const AnalysisResult& result) {
         "a primary ray takes {} ns, a scattered one {:.1f} times that (and {:.1f} times the queue "
         "entries), a direct-light one {:.1f} times; {}",
         short_number(primary), ratio,
-        entries / scene_rays / labelled(points, "primary")->column("entries a ray"),
+        entries / scene_rays / labelled(points, "primary")->column("entries per ray"),
         direct / direct_rays / primary,
-        ratio < 1.25 ? "nearly as fast, as in the report"
-                     : "the report has scattered rays nearly as fast as primary ones");
+        ratio < 1.25 ? "nearly as fast, as in the paper"
+                     : "the paper has scattered rays nearly as fast as primary ones");
 }
 
 std::string on_levels(const AnalysisResult& result) {
@@ -114,7 +114,7 @@ std::string on_levels(const AnalysisResult& result) {
     const AnalysisPoint& slowest = most(points);
     return fmt::format(
         "level {:.0f} takes most of the intersection time ({:.0f} %), levels 0 to 2 together "
-        "{:.0f} %, the last {:.0f} % (the report's profile: level 0, 68 %, 2 %){}",
+        "{:.0f} %, the last {:.0f} % (the 2018 paper's profile: level 0, 68 %, 2 %){}",
         slowest.x, 100.0 * slowest.y / all, 100.0 * top / all, 100.0 * points.back().y / all,
         top > 0.5 * all ? "" : "; so the top levels are not where the time goes");
 }
@@ -126,7 +126,7 @@ std::string on_stages(const AnalysisResult& result) {
     const double merge = labelled_y(points, "merge");
     if (all <= 0.0 || traversal <= 0.0) return "no time was noted";
     return fmt::format(
-        "traversal takes {:.0f} %, and merging {:.2f} times as much as traversal, where the report "
+        "traversal takes {:.0f} %, and merging {:.2f} times as much as traversal, where the paper "
         "says half",
         100.0 * traversal / all, merge / traversal);
 }
@@ -151,9 +151,9 @@ std::string on_strided(const AnalysisResult& result) {
     const double ratio = strided / linear;
     return fmt::format(
         "strided blocks take {:.2f} times the intersection time of linear ones; {}", ratio,
-        ratio < 0.9     ? "they help, as in the report (0.75)"
-        : ratio <= 1.05 ? "they change next to nothing, where the report gains a quarter"
-                        : "they cost time, where the report gains a quarter");
+        ratio < 0.9     ? "they help, as in the paper (0.75)"
+        : ratio <= 1.05 ? "they change next to nothing, where the paper gains a quarter"
+                        : "they cost time, where the paper gains a quarter");
 }
 
 std::string on_limited_blocks(const AnalysisResult& result) {
@@ -173,7 +173,7 @@ std::string on_memory(const AnalysisResult& result) {
     const double wide = result.named(0, "width 8").points.back().y;
     return fmt::format(
         "{} bytes a ray at width 4 and {} at width 8, {:.0f} and {:.0f} times less than the "
-        "report's code (5.9 and 10 kB)",
+        "paper's code (5.9 and 10 kB)",
         short_number(narrow), short_number(wide), 5900.0 / narrow, 10000.0 / wide);
 }
 
@@ -187,7 +187,7 @@ const std::map<std::string, Finder>& finders() {
          }},
         {"rays-per-block",
          [](const AnalysisResult& r) {
-             return fastest(r.named(0, "").points, 64.0, "rays a block");
+             return fastest(r.named(0, "").points, 64.0, "rays per block");
          }},
         {"bounces", on_bounces},
         {"levels", on_levels},

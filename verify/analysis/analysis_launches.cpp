@@ -82,7 +82,7 @@ AnalysisResult analyze_bounces(const AnalysisSettings& settings, AnalysisRenders
         });
         a_ray.points.push_back(point_of(0.0, name, seconds, 1e9 / living[name]));
         a_ray.points.back().more = {{"rays", living[name]},
-                                    {"entries a ray", entries[name] / living[name]}};
+                                    {"entries per ray", entries[name] / living[name]}};
         all.points.push_back(point_of(0.0, name, seconds, 1e3));
     }
     result.series = {std::move(a_ray), std::move(all)};

@@ -19,7 +19,7 @@ bool any_has(const std::vector<AnalysisRun>& runs, const AnalysisDefinition& def
 
 std::string picture_of(const reference::PipelineParameters& p) {
     return fmt::format(
-        "{}x{} pixels, {} spp, width {}, {} rays a block, leaves of {}, early-out {}",
+        "{}x{} pixels, {} spp, width {}, {} rays per block, leaves of {}, early-out {}",
         p.image_width, p.image_height, p.spp, p.width, p.rays_per_block, p.max_leaf_size,
         to_string(p.early_out));
 }
@@ -31,8 +31,9 @@ std::string heading_of(const AnalysisRun& run) {
 
 std::string header_part(const std::vector<AnalysisRun>& runs) {
     std::string out =
-        "<p class=\"quiet\">scotty analyze</p>\n<h1>The report's analyses, again</h1>\n"
-        "<p>Coloured: measured here. Grey: what the report gives, or its published code. Bars at a "
+        "<p class=\"quiet\">scotty analyze</p>\n<h1>The 2018 paper's analyses, again</h1>\n"
+        "<p>Coloured: measured here. Grey: what the 2018 paper gives, or its published code. Bars "
+        "at a "
         "point reach from the least to the most of the repeats.</p>\n<dl class=\"runs\">\n";
     for (const AnalysisRun& run : runs) {
         out += fmt::format("<dt>{}</dt><dd class=\"quiet\">{}</dd>\n", html_text(run.label),
@@ -88,7 +89,7 @@ std::string analysis_part(const AnalysisDefinition& definition,
     return fmt::format(
         "<section id=\"{}\" aria-labelledby=\"{}-title\">\n<h2 id=\"{}-title\">{}</h2>\n"
         "<div class=\"analysis\">\n<figure>\n{}</figure>\n<div class=\"seen\">\n{}"
-        "<p class=\"quiet\"><b>The report:</b> {}</p>\n<p class=\"quiet\">{}</p>\n"
+        "<p class=\"quiet\"><b>The 2018 paper:</b> {}</p>\n<p class=\"quiet\">{}</p>\n"
         "<p class=\"quiet\">{}</p>\n</div>\n{}</div>\n</section>\n",
         definition.name, definition.name, definition.name, html_text(definition.title),
         figure(definition, runs), seen, html_text(definition.report), html_text(definition.how),

@@ -1,4 +1,5 @@
-/// What the checker of loads and stores costs on each tier, beside the same tier unchecked.
+/// What the checker of loads and stores costs for the emulator and for the CUDA text, beside the
+/// same unchecked.
 #pragma once
 
 #include "verify/bench/bench_simt.h"

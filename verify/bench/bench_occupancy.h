@@ -45,7 +45,7 @@ struct TraversalCounts {
     std::uint64_t visits = 0;         ///< of living rays
     std::uint64_t blocks = 0;         ///< that have entries, dead rays' included
     std::uint64_t warps = 0;          ///< of 32 threads, that have entries
-    std::vector<std::uint64_t> fill;  ///< blocks by entries, [rays a block + 1]
+    std::vector<std::uint64_t> fill;  ///< blocks by entries, [rays per block + 1]
     std::uint64_t redundant = 0;      ///< visits whose node is entered beyond the ray's final hit
     std::uint64_t visits_uncut = 0;   ///< visits with early-out off
     std::uint64_t leaf_hits = 0;      ///< (ray, leaf) pairs with a hit that was recorded

@@ -12,6 +12,8 @@
 
 namespace scotty::verify {
 
+namespace buffers = reference::buffers;
+
 using reference::Hit;
 using reference::Ray;
 using reference::StageKind;
@@ -27,7 +29,7 @@ class RayCollector : public reference::StageObserver {
 
     void on_stage(const StageView& stage) override {
         std::vector<Ray>& rays = rays_of(kind_of_rays(stage));
-        for (const Ray& ray : stage.get<Ray>("rays")) {
+        for (const Ray& ray : stage.get(buffers::rays)) {
             if (!is_dead(ray)) rays.push_back(ray);
         }
     }

@@ -21,7 +21,8 @@ std::string heading(const BenchSubject& subject) {
     const auto& p = subject.parameters;
     return fmt::format(
         "{} ({} triangles), {}x{} pixels, {} spp, {} bounces, {} light samples\n"
-        "width {}, {} rays a block, queue levels {}, early-out {}, {}, {}, shadow {}; {} threads, "
+        "width {}, {} rays per block, queue levels {}, early-out {}, {}, {}, shadow {}; {} "
+        "threads, "
         "median of {} after {} to warm up\n\n",
         subject.scene, subject.triangles, p.image_width, p.image_height, p.spp, p.bounces,
         p.light_samples, p.width, p.rays_per_block,

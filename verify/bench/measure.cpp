@@ -16,6 +16,8 @@
 
 namespace scotty::verify {
 
+namespace buffers = reference::buffers;
+
 using reference::Error;
 using reference::LaunchRecord;
 using reference::PipelineParameters;
@@ -36,7 +38,7 @@ class RayCounter : public StageObserver {
         const auto found = std::find_if(counts.begin(), counts.end(),
                                         [&](const RayCount& count) { return count.kind == kind; });
         RayCount& count = found != counts.end() ? *found : counts.emplace_back(RayCount{kind, 0});
-        const auto rays = stage.get<reference::Ray>("rays");
+        const auto rays = stage.get(buffers::rays);
         count.rays += static_cast<std::uint64_t>(std::count_if(
             rays.begin(), rays.end(), [](const reference::Ray& ray) { return !is_dead(ray); }));
     }

@@ -7,7 +7,6 @@
 #include <numeric>
 #include <span>
 #include <string>
-#include <type_traits>
 #include <utility>
 #include <variant>
 
@@ -41,33 +40,6 @@ float entry_into(const NodeBoxes& node, std::uint32_t child, const Ray& ray) {
         .entry;
 }
 
-/// What closest_in_subtree() asks of a BVH, counted.
-template <int Width>
-struct CountedAccess {
-    WideBvhView<Width> bvh;
-    TraversalCounts& counts;
-    std::uint64_t& planes;  ///< six a node that is entered
-
-    template <class Record>
-    Record load(const Record* record) const {
-        if constexpr (std::is_same_v<Record, LeafTriangle>) {
-            counts.triangle_tests += 1;
-            counts.traffic.triangles += sizeof(Record);
-        } else {
-            planes += 1;
-            counts.traffic.nodes += sizeof(Record);
-        }
-        return *record;
-    }
-    const WideNode<Width>* node(std::uint32_t ref) const { return bvh.inner + ref; }
-    std::uint32_t child_ref(const WideNode<Width>* node, std::uint32_t child) const {
-        counts.traffic.nodes += 4;
-        return bvh.node_refs[node->child[child]];
-    }
-    Leaf leaf(std::uint32_t ref) const { return bvh.leaves[ref_index(ref)]; }
-    const LeafTriangle* triangles() const { return bvh.triangles; }
-};
-
 }  // namespace
 
 OccupancyCounter::OccupancyCounter(const WideBvh& bvh, const PipelineParameters& parameters)
@@ -98,12 +70,12 @@ void OccupancyCounter::on_retry(std::string_view /*stage*/, std::string_view /*r
 void OccupancyCounter::begin(const StageView& stage) {
     levels_.clear();
     visits_.clear();
-    pushed_ = stage.get<Ray>("rays").size();
+    pushed_ = stage.get(buffers::rays).size();
     leaf_hits_ = 0;
 }
 
 void OccupancyCounter::count_level(const StageView& stage) {
-    const auto counts = stage.get<std::uint32_t>("node_counts");
+    const auto counts = stage.get(buffers::node_counts);
     const std::uint64_t entries = sum_of(counts);
     if (entries != pushed_ || stage.level != levels_.size()) {
         throw Error::internal(
@@ -126,17 +98,17 @@ void OccupancyCounter::count_level(const StageView& stage) {
             follow_pushes(stage, ref_index(ref));
         }
     }
-    const auto rays = stage.get<Ray>("rays");
+    const auto rays = stage.get(buffers::rays);
     if (stage.level == 0) {
         level.dead = static_cast<std::uint64_t>(
             std::count_if(rays.begin(), rays.end(), [](const Ray& ray) { return is_dead(ray); }));
     }
     const bool culls = parameters_.early_out != EarlyOut::off;
     level.visits = entries - level.dead;
-    pushed_ = sum_of(stage.get<std::uint32_t>("child_counts"));
+    pushed_ = sum_of(stage.get(buffers::child_counts));
     level.traffic.queues = 4 * (pushed_ + (stage.level == 0 ? 0 : entries));
     level.traffic.rays = (sizeof(Ray) + (culls ? 4 : 0)) * entries;
-    const std::uint64_t leaf_hits = sum_of(stage.get<std::uint32_t>("hit_counts"));
+    const std::uint64_t leaf_hits = sum_of(stage.get(buffers::hit_counts));
     level.leaf_hits = leaf_hits - leaf_hits_;
     leaf_hits_ = leaf_hits;
     level.traffic.hits = level.leaf_hits * (culls ? 24 : 16);
@@ -171,10 +143,10 @@ void OccupancyCounter::count_blocks(TraversalCounts& level, std::uint32_t node,
 }
 
 void OccupancyCounter::follow_pushes(const StageView& stage, std::uint32_t inner) {
-    const auto rays = stage.get<Ray>("rays");
-    const auto counts = stage.get<std::uint32_t>("child_counts");
-    const auto offsets = stage.get<std::uint32_t>("child_offsets");
-    const auto queue = stage.get<std::uint32_t>("child_queue");
+    const auto rays = stage.get(buffers::rays);
+    const auto counts = stage.get(buffers::child_counts);
+    const auto offsets = stage.get(buffers::child_offsets);
+    const auto queue = stage.get(buffers::child_queue);
     const NodeBoxes boxes = boxes_of(bvh_, inner);
     for (std::uint32_t c = 0; c < boxes.width; ++c) {
         if (boxes.child[c] == kNone) continue;
@@ -187,30 +159,33 @@ void OccupancyCounter::follow_pushes(const StageView& stage, std::uint32_t inner
 
 void OccupancyCounter::walk_subtree(const StageView& stage, std::uint32_t inner,
                                     std::uint32_t position, TraversalCounts& level) const {
-    const auto rays = stage.get<Ray>("rays");
-    const auto queue = stage.get<std::uint32_t>("queue");
-    const auto minimum = stage.get<float>("minimum");
-    const std::uint32_t begin = stage.get<std::uint32_t>("queue_offsets")[position];
-    const std::uint32_t count = stage.get<std::uint32_t>("node_counts")[position];
+    const auto rays = stage.get(buffers::rays);
+    const auto queue = stage.get(buffers::queue);
+    const auto minimum = stage.get(buffers::minimum);
+    const std::uint32_t begin = stage.get(buffers::queue_offsets)[position];
+    const std::uint32_t count = stage.get(buffers::node_counts)[position];
     const bool any = !minimum.empty() && stage.light != kNotApplicable &&
                      parameters_.shadow_query == ShadowQuery::any;
     const auto walk = [&]<int Width>(const std::vector<WideNode<Width>>& /*nodes*/) {
-        std::uint64_t planes = 0;
-        const CountedAccess<Width> access{view_of<Width>(bvh_), level, planes};
+        constexpr std::uint64_t kBoxes = Width * 6 * sizeof(float);
         for (std::uint32_t p = 0; p < count; ++p) {
             const std::uint32_t ray = queue.empty() ? p : queue[begin + p];
-            closest_in_subtree<Width>(access, inner, rays[ray],
-                                      minimum.empty() ? kInfinity : minimum[ray], any);
+            const SubtreeSearch search =
+                closest_in_subtree(view_of<Width>(bvh_), inner, rays[ray],
+                                   minimum.empty() ? kInfinity : minimum[ray], any);
+            level.box_tests += std::uint64_t{search.nodes} * Width;
+            level.triangle_tests += search.triangles;
+            level.traffic.triangles += search.triangles * sizeof(LeafTriangle);
+            level.traffic.nodes +=
+                search.nodes * kBoxes + search.children * 4ull + 2 * sizeof(Vec3);
         }
-        level.box_tests += planes / 6 * Width;
-        level.traffic.nodes += count * 2 * sizeof(Vec3);
     };
     std::visit(walk, bvh_.inner);
 }
 
 void OccupancyCounter::finish(const StageView& stage) {
-    const auto rays = stage.get<Ray>("rays");
-    const auto merged = stage.get<Hit>("merged");
+    const auto rays = stage.get(buffers::rays);
+    const auto merged = stage.get(buffers::merged);
     const std::string kind = kind_of_rays(stage);
     for (const VisitEntry& visit : visits_) {
         if (visit.entry > merged[visit.ray].t) levels_[visit.level].redundant += 1;

@@ -11,6 +11,8 @@
 
 namespace scotty::verify {
 
+namespace buffers = reference::buffers;
+
 using reference::BufferView;
 using reference::Field;
 using reference::StageView;
@@ -19,7 +21,7 @@ namespace {
 
 bool is_wrong(const Field& field, std::uint32_t bits) {
     if (!field.is_float || std::isfinite(std::bit_cast<float>(bits))) return false;
-    return !(field.may_be_infinite && bits == reference::buffers::kInfinityBits);
+    return !(field.may_be_infinite && bits == buffers::kInfinityBits);
 }
 
 class Finder {

@@ -11,6 +11,7 @@
 
 #include "reference/base/error.h"
 #include "reference/base/write_file.h"
+#include "reference/contract/scene_fields.h"
 #include "verify/capture/npy.h"
 
 namespace scotty::verify {
@@ -61,62 +62,21 @@ class Row {
     explicit Row(Float* at) : at_(at) {}
 
     template <class T>
-    void value(T& field) {
-        if constexpr (Reads) {
-            field = static_cast<std::remove_const_t<T>>(static_cast<std::uint32_t>(*at_++));
-        } else {
+    void operator()(T& field) {
+        if constexpr (std::is_same_v<std::remove_const_t<T>, Vec3>) {
+            for (int axis = 0; axis < 3; ++axis) (*this)(field[axis]);
+        } else if constexpr (!Reads) {
             *at_++ = static_cast<float>(field);
-        }
-    }
-    template <class T>
-    void scalar(T& field) {
-        if constexpr (Reads) {
+        } else if constexpr (std::is_same_v<T, float>) {
             field = *at_++;
         } else {
-            *at_++ = field;
+            field = static_cast<T>(static_cast<std::uint32_t>(*at_++));
         }
-    }
-    template <class T>
-    void vector(T& field) {
-        scalar(field.x);
-        scalar(field.y);
-        scalar(field.z);
     }
 
  private:
     Float* at_;
 };
-
-template <class R, class M>
-void material_row(R row, M& m) {
-    row.value(m.kind);
-    row.vector(m.reflectance);
-    row.vector(m.transmittance);
-    row.scalar(m.ior);
-    row.vector(m.emission);
-    row.value(m.emission_is_sampled);
-}
-
-template <class R, class L>
-void light_row(R row, L& light) {
-    row.value(light.kind);
-    row.vector(light.position);
-    row.vector(light.edge_x);
-    row.vector(light.edge_y);
-    row.vector(light.normal);
-    row.vector(light.radiance);
-    row.scalar(light.area);
-}
-
-template <class R, class C>
-void camera_row(R row, C& camera) {
-    row.vector(camera.position);
-    row.vector(camera.right);
-    row.vector(camera.up);
-    row.vector(camera.forward);
-    row.scalar(camera.tan_half_fov);
-    row.scalar(camera.tan_half_width);
-}
 
 /// Writes arrays and lists them for input.json.
 class ArrayWriter {
@@ -264,19 +224,22 @@ void add_scene(ArrayWriter& arrays, const Scene& scene) {
                "by vertex; no rows: all surfaces are flat");
     arrays.add("triangles", scene.triangles, {scene.triangles.size(), 3}, "vertex indices");
     arrays.add("material_of", scene.material_of, {scene.material_of.size()}, "by triangle");
-    arrays.add("materials",
-               table_of<kMaterialColumns.size()>(
-                   scene.materials, [](auto row, const Material& m) { material_row(row, m); }),
-               {scene.materials.size(), kMaterialColumns.size()}, "columns: see material_columns");
-    arrays.add("lights",
-               table_of<kLightColumns.size()>(
-                   scene.lights, [](auto row, const Light& light) { light_row(row, light); }),
-               {scene.lights.size(), kLightColumns.size()}, "columns: see light_columns");
+    arrays.add(
+        "materials",
+        table_of<kMaterialColumns.size()>(
+            scene.materials, [](auto row, const Material& m) { for_each_material_field(m, row); }),
+        {scene.materials.size(), kMaterialColumns.size()}, "columns: see material_columns");
+    arrays.add(
+        "lights",
+        table_of<kLightColumns.size()>(
+            scene.lights, [](auto row, const Light& light) { for_each_light_field(light, row); }),
+        {scene.lights.size(), kLightColumns.size()}, "columns: see light_columns");
     const std::vector<reference::Camera> camera{scene.camera};
-    arrays.add("camera",
-               table_of<kCameraColumns.size()>(
-                   camera, [](auto row, const reference::Camera& c) { camera_row(row, c); }),
-               {1, kCameraColumns.size()}, "columns: see camera_columns");
+    arrays.add(
+        "camera",
+        table_of<kCameraColumns.size()>(
+            camera, [](auto row, const reference::Camera& c) { for_each_camera_field(c, row); }),
+        {1, kCameraColumns.size()}, "columns: see camera_columns");
 }
 
 void add_bvh(ArrayWriter& arrays, const WideBvh& bvh) {
@@ -300,11 +263,11 @@ Scene read_scene(const ArrayReader& arrays) {
         arrays.read<std::array<std::uint32_t, 3>>("triangles", ElementType::uint32, {3});
     scene.material_of = arrays.words("material_of");
     scene.materials = records_of<Material, kMaterialColumns.size()>(
-        arrays, "materials", [](auto row, Material& m) { material_row(row, m); });
+        arrays, "materials", [](auto row, Material& m) { for_each_material_field(m, row); });
     scene.lights = records_of<Light, kLightColumns.size()>(
-        arrays, "lights", [](auto row, Light& light) { light_row(row, light); });
+        arrays, "lights", [](auto row, Light& light) { for_each_light_field(light, row); });
     const auto cameras = records_of<reference::Camera, kCameraColumns.size()>(
-        arrays, "camera", [](auto row, reference::Camera& c) { camera_row(row, c); });
+        arrays, "camera", [](auto row, reference::Camera& c) { for_each_camera_field(c, row); });
     if (!cameras.empty()) scene.camera = cameras.front();
     return scene;
 }

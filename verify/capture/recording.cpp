@@ -9,6 +9,8 @@
 
 namespace scotty::verify {
 
+namespace buffers = reference::buffers;
+
 using reference::Hit;
 using reference::Ray;
 using reference::StageKind;
@@ -54,16 +56,16 @@ TraversalRecord& Recorder::record_of(std::uint32_t bounce, std::uint32_t light) 
 
 void Recorder::on_stage(const StageView& stage) {
     if (stage.kind == StageKind::primary_rays) {
-        const auto pixel = stage.get<std::uint32_t>("pixel");
-        const auto sample = stage.get<std::uint32_t>("sample");
+        const auto pixel = stage.get(buffers::pixel);
+        const auto sample = stage.get(buffers::sample);
         path_of_.resize(pixel.size());
         for (std::size_t i = 0; i < pixel.size(); ++i) {
             path_of_[i] = pixel[i] * spp_ + sample[i];
             SCOTTY_ASSERT(path_of_[i], <, paths_);
         }
     } else if (stage.kind == StageKind::merge_intersections) {
-        const auto rays = stage.get<Ray>("rays");
-        const auto hits = stage.get<Hit>("merged");
+        const auto rays = stage.get(buffers::rays);
+        const auto hits = stage.get(buffers::merged);
         SCOTTY_ASSERT(rays.size(), ==, path_of_.size());
         SCOTTY_ASSERT(hits.size(), ==, path_of_.size());
         TraversalRecord& record = record_of(stage.bounce, stage.light);
@@ -72,15 +74,15 @@ void Recorder::on_stage(const StageView& stage) {
             record.hits[path_of_[i]] = hits[i];
         }
     } else if (stage.kind == StageKind::reconstruct_image) {
-        const auto radiance = stage.get<Vec3>("radiance");
+        const auto radiance = stage.get(buffers::radiance);
         SCOTTY_ASSERT(radiance.size(), ==, path_of_.size());
         for (std::size_t i = 0; i < radiance.size(); ++i) {
             recording_.radiance[path_of_[i]] = radiance[i];
         }
-        const auto image = stage.get<Vec3>("image");
+        const auto image = stage.get(buffers::image);
         recording_.reconstructed.assign(image.begin(), image.end());
     } else if (stage.kind == StageKind::filter) {
-        const auto filtered = stage.get<Vec3>("filtered");
+        const auto filtered = stage.get(buffers::filtered);
         recording_.filtered.assign(filtered.begin(), filtered.end());
     }
 }
@@ -112,12 +114,12 @@ void Observers::on_retry(std::string_view stage, std::string_view reason) {
 namespace {
 
 Failure difference(const char* what, std::string stage, std::size_t path, std::uint32_t spp,
-                   std::string field, std::string expected, std::string found) {
+                   std::string_view field, std::string expected, std::string found) {
     Failure failure;
     failure.invariant = "same-as-baseline";
     failure.stage = std::move(stage);
     failure.ray = static_cast<std::uint32_t>(path);
-    failure.field = std::move(field);
+    failure.field = field;
     failure.expected = std::move(expected);
     failure.found = std::move(found);
     failure.sentence = fmt::format("{} of pixel {}, sample {} differ from the baseline's", what,
@@ -151,14 +153,14 @@ std::vector<Failure> compare(const Recording& baseline, const Recording& other, 
             const bool both_dead = is_dead(expected.rays[i]) && is_dead(found->rays[i]);
             if (both_dead || same_bits(expected.rays[i], found->rays[i])) continue;
             rays_differ = true;
-            failures.push_back(difference("the ray", expected.stage(), i, spp, "rays",
+            failures.push_back(difference("the ray", expected.stage(), i, spp, buffers::rays.name,
                                           exact(expected.rays[i]), exact(found->rays[i])));
         }
         const bool only_occlusion = occlusion_only && expected.is_shadow();
         for (std::size_t i = 0; i < expected.hits.size() && !hits_differ; ++i) {
             if (agree(expected.hits[i], found->hits[i], only_occlusion)) continue;
             hits_differ = true;
-            failures.push_back(difference("the hit", expected.stage(), i, spp, "merged",
+            failures.push_back(difference("the hit", expected.stage(), i, spp, buffers::merged.name,
                                           exact(expected.hits[i]), exact(found->hits[i])));
         }
     }
@@ -169,8 +171,9 @@ std::vector<Failure> compare(const Recording& baseline, const Recording& other, 
     }
     for (std::size_t i = 0; i < baseline.radiance.size(); ++i) {
         if (same_bits(baseline.radiance[i], other.radiance[i])) continue;
-        failures.push_back(difference("the radiance", "reconstruct_image", i, spp, "radiance",
-                                      exact(baseline.radiance[i]), exact(other.radiance[i])));
+        failures.push_back(difference("the radiance", "reconstruct_image", i, spp,
+                                      buffers::radiance.name, exact(baseline.radiance[i]),
+                                      exact(other.radiance[i])));
         break;
     }
     if (auto failure = compare_images(baseline.image, other.image, spp)) {

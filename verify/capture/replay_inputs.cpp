@@ -12,6 +12,8 @@
 
 namespace scotty::verify {
 
+namespace buffers = reference::buffers;
+
 using reference::BufferView;
 using reference::ElementType;
 using reference::Error;
@@ -151,9 +153,9 @@ class Preparation {
     /// Between levels all that was lowered has been published.
     void copy_minimum_to_lowered() {
         for (const BufferView& view : stage_.view.inputs) {
-            if (view.name != "minimum") continue;
+            if (view.name != buffers::minimum.name) continue;
             OwnedBuffer lowered = own(view);
-            lowered.name = "lowered";
+            lowered.name = buffers::lowered.name;
             replace_input(std::move(lowered));
             return;
         }

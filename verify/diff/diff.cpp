@@ -15,6 +15,8 @@
 
 namespace scotty::verify {
 
+namespace buffers = reference::buffers;
+
 using reference::BufferView;
 using reference::EarlyOut;
 using reference::kNotApplicable;
@@ -29,22 +31,24 @@ namespace {
 bool depends_on_timing(const PipelineParameters& p, const StageView& stage,
                        std::string_view buffer) {
     if (p.early_out != EarlyOut::immediate) return false;
-    if (is_of_traversal(stage.kind)) return buffer != "rays";
+    if (is_of_traversal(stage.kind)) return buffer != buffers::rays.name;
     return stage.kind == StageKind::merge_intersections &&
-           (buffer == "hit_counts" || buffer == "hits" || buffer == "packed_hits");
+           (buffer == buffers::hit_counts.name || buffer == buffers::hits.name ||
+            buffer == buffers::packed_hits.name);
 }
 
 /// Whether the buffer belongs to shadow rays that only ask whether they hit; their hits vary.
 bool only_occlusion(const PipelineParameters& p, const StageView& stage, std::string_view buffer) {
     return p.early_out == EarlyOut::immediate && p.shadow_query == reference::ShadowQuery::any &&
-           stage.light != kNotApplicable && (buffer == "merged" || buffer == "shadow_hits");
+           stage.light != kNotApplicable &&
+           (buffer == buffers::merged.name || buffer == buffers::shadow_hits.name);
 }
 
 /// Orders a stage's differences: inputs lead, then those that name a ray.
 int rank(const Comparison& comparison, std::string_view buffer, bool output) {
     if (!output) return 0;
     if (comparison.field == "shape") return 4;
-    const bool counter = buffer == "child_counts" || buffer == "hit_counts";
+    const bool counter = buffer == buffers::child_counts.name || buffer == buffers::hit_counts.name;
     return counter ? 3 : (reference::buffer_info(buffer).order == BufferOrder::ordered ? 2 : 1);
 }
 

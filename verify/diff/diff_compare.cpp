@@ -12,6 +12,8 @@
 
 namespace scotty::verify {
 
+namespace buffers = reference::buffers;
+
 using reference::BufferView;
 
 namespace {
@@ -183,7 +185,8 @@ Comparison compare_ordered(const BufferPair& pair) {
     if (first == words) return out;
     out.row = first / columns;
     std::size_t column = first % columns;
-    if (pair.a.name == "packed_hits" && word_at(pair.a, first | 1) != word_at(pair.b, first | 1)) {
+    if (pair.a.name == buffers::packed_hits.name &&
+        word_at(pair.a, first | 1) != word_at(pair.b, first | 1)) {
         column = 1;  // t says more than the primitive
         first |= 1;
     }

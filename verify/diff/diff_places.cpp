@@ -6,6 +6,8 @@
 
 namespace scotty::verify {
 
+namespace buffers = reference::buffers;
+
 using reference::kNotApplicable;
 using reference::StageKind;
 using reference::StageView;
@@ -15,10 +17,10 @@ namespace {
 /// Position of a ray in a node's queue; none if it is not in it.
 std::optional<std::uint32_t> position_in_queue(const StageView& stage, std::uint32_t position,
                                                std::uint32_t ray) {
-    const auto counts = stage.get<std::uint32_t>("node_counts");
+    const auto counts = stage.get(buffers::node_counts);
     if (stage.level == 0) return ray;
-    const auto offsets = stage.get<std::uint32_t>("queue_offsets");
-    const auto queue = stage.get<std::uint32_t>("queue");
+    const auto offsets = stage.get(buffers::queue_offsets);
+    const auto queue = stage.get(buffers::queue);
     if (position >= counts.size() || position >= offsets.size()) return std::nullopt;
     const std::size_t begin = std::min<std::size_t>(offsets[position], queue.size());
     const std::size_t count = std::min<std::size_t>(counts[position], queue.size() - begin);
@@ -52,7 +54,7 @@ void Places::fill_thread(Divergence& out, const BufferPair& pair, std::uint32_t 
     if (node < first) return;
     for (const StageView* stage : {&pair.b_stage, &pair.a_stage}) {
         const auto position = position_in_queue(*stage, node - first, out.ray);
-        const auto offsets = stage->get<std::uint32_t>("block_offsets");
+        const auto offsets = stage->get(buffers::block_offsets);
         if (!position || node - first >= offsets.size() || stage->threads == 0) continue;
         out.block = offsets[node - first] + *position / stage->threads;
         out.thread = *position % stage->threads;
@@ -115,11 +117,11 @@ void Places::fill_provenance(Divergence& out, std::uint32_t batch) {
         const StageRecord* primary = capture_.find(
             reference::stage_name(StageKind::primary_rays, batch, kNotApplicable, kNotApplicable,
                                   kNotApplicable, capture_.header().several_batches));
-        if (primary != nullptr && primary->output("pixel") != nullptr &&
-            primary->output("sample") != nullptr) {
+        if (primary != nullptr && primary->output(buffers::pixel.name) != nullptr &&
+            primary->output(buffers::sample.name) != nullptr) {
             const LoadedStage loaded = capture_.load(*primary);
-            const auto pixel = loaded.view.get<std::uint32_t>("pixel");
-            const auto sample = loaded.view.get<std::uint32_t>("sample");
+            const auto pixel = loaded.view.get(buffers::pixel);
+            const auto sample = loaded.view.get(buffers::sample);
             origins.pixel.assign(pixel.begin(), pixel.end());
             origins.sample.assign(sample.begin(), sample.end());
         }

@@ -9,6 +9,8 @@
 
 namespace scotty::verify {
 
+namespace buffers = reference::buffers;
+
 using reference::SampleSums;
 using reference::Vec3;
 
@@ -37,8 +39,8 @@ bool RadianceMeter::wants(reference::StageKind kind) const {
 
 void RadianceMeter::on_stage(const reference::StageView& stage) {
     if (!wants(stage.kind)) return;
-    const auto radiance = stage.get<Vec3>("radiance");
-    const auto pixel = stage.get<std::uint32_t>("pixel");
+    const auto radiance = stage.get(buffers::radiance);
+    const auto pixel = stage.get(buffers::pixel);
     SCOTTY_ASSERT(radiance.size(), ==, pixel.size());
     for (std::size_t i = 0; i < radiance.size(); ++i) {
         SCOTTY_ASSERT(pixel[i], <, sums_.sum.size());

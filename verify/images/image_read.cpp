@@ -24,6 +24,8 @@
 #include "verify/images/srgb.h"
 
 namespace scotty::verify {
+
+namespace buffers = reference::buffers;
 namespace {
 
 namespace fs = std::filesystem;
@@ -280,15 +282,15 @@ ReadImage read_capture(const std::string& path) {
     const Capture capture = Capture::open(path);
     const reference::PipelineParameters& p = capture.header().parameters;
     for (auto stage = capture.stages().rbegin(); stage != capture.stages().rend(); ++stage) {
-        const BufferRecord* image = stage->output("filtered");
-        if (image == nullptr) image = stage->output("image");
+        const BufferRecord* image = stage->output(buffers::filtered.name);
+        if (image == nullptr) image = stage->output(buffers::image.name);
         if (image == nullptr) continue;
         const reference::OwnedBuffer buffer = capture.load(*stage, *image);
         const auto* first = reinterpret_cast<const float*>(buffer.bytes.data());
         ReadImage read =
             from_array({first, buffer.bytes.size() / sizeof(float)}, p.image_width, p.image_height);
         read.image.samples = p.spp;
-        const BufferRecord* variance = stage->output("variance");
+        const BufferRecord* variance = stage->output(buffers::variance.name);
         if (variance == nullptr || p.spp == 1) return read;
         const reference::OwnedBuffer of_mean = capture.load(*stage, *variance);
         const auto* of_first = reinterpret_cast<const float*>(of_mean.bytes.data());

@@ -10,6 +10,8 @@
 
 namespace scotty::verify {
 
+namespace buffers = reference::buffers;
+
 using reference::Filter;
 using reference::StageView;
 using reference::Vec3;
@@ -90,8 +92,8 @@ Pixel weighted(const Window& window, int x, int y, bool bilateral) {
 void check_filter(CheckState& state, const StageView& stage) {
     const auto& p = state.parameters;
     const std::size_t pixels = std::size_t{p.image_width} * p.image_height;
-    const auto image = expect_buffer<Vec3>(state, stage, "image", pixels);
-    const auto filtered = expect_buffer<Vec3>(state, stage, "filtered", pixels);
+    const auto image = expect_buffer(state, stage, buffers::image, pixels);
+    const auto filtered = expect_buffer(state, stage, buffers::filtered, pixels);
     if (image.size() != pixels || filtered.size() != pixels) return;
     const Window window{image, static_cast<int>(p.image_width), static_cast<int>(p.image_height)};
     const bool selects = p.filter == Filter::median;  // one of the image's own values

@@ -32,11 +32,11 @@ struct LeafHits {
 };
 
 LeafHits expected_hits(const CheckState& state, const StageView& stage) {
-    const auto rays = stage.get<Ray>("rays");
-    const auto counts = stage.get<std::uint32_t>("node_counts");
-    const auto offsets = stage.get<std::uint32_t>("queue_offsets");
-    const auto queue = stage.get<std::uint32_t>("queue");
-    const auto minimum = stage.get<float>("minimum");
+    const auto rays = stage.get(buffers::rays);
+    const auto counts = stage.get(buffers::node_counts);
+    const auto offsets = stage.get(buffers::queue_offsets);
+    const auto queue = stage.get(buffers::queue);
+    const auto minimum = stage.get(buffers::minimum);
     const EarlyOut policy = state.parameters.early_out;
     const std::uint32_t first_node = state.bvh.level_begins[stage.level];
     const auto nodes = state.bvh.level_begins[stage.level + 1] - first_node;
@@ -93,7 +93,7 @@ Failure leaf_failure(const StageView& stage, std::uint32_t ray, const LeafHit* h
                      std::string sentence) {
     Failure failure = failure_at(stage, invariant::kLeafHits, std::move(sentence));
     failure.ray = ray;
-    failure.field = "hits";
+    failure.field = buffers::hits.name;
     if (hit != nullptr) {
         failure.node = hit->node;
         failure.block = hit->block;
@@ -189,12 +189,14 @@ std::uint64_t sum_of_hits(std::span<const HitCandidate> hits) {
 
 void check_leaves(CheckState& state, const StageView& stage) {
     if (stage.level == kNotApplicable || stage.level + 1 >= state.bvh.level_begins.size()) return;
-    const auto rays = stage.get<Ray>("rays");
+    const auto rays = stage.get(buffers::rays);
     const auto n = static_cast<std::uint32_t>(rays.size());
     const bool packed_mode = state.parameters.hit_mode == HitMode::packed;
     // A root that pushes its rays on has no hits, and need not show any.
     const bool root = stage.level == 0;
-    if (root && stage.find(packed_mode ? "packed_hits" : "hit_counts") == nullptr) return;
+    if (root &&
+        stage.find(packed_mode ? buffers::packed_hits.name : buffers::hit_counts.name) == nullptr)
+        return;
     const TraversalState& traversal = state.traversal;
     const LeafHits expected = expected_hits(state, stage);
     const auto of_ray = [&](std::uint32_t ray) {
@@ -204,7 +206,7 @@ void check_leaves(CheckState& state, const StageView& stage) {
     std::vector<Failure> failures;
     std::uint64_t appended_total = 0;
     if (packed_mode) {
-        const auto packed = expect_buffer<std::uint64_t>(state, stage, "packed_hits", n);
+        const auto packed = expect_buffer(state, stage, buffers::packed_hits, n);
         const bool free_choice =
             traversal.asks_any && state.parameters.early_out == EarlyOut::immediate;
         for (std::uint32_t ray = 0; ray < packed.size(); ++ray) {
@@ -214,8 +216,8 @@ void check_leaves(CheckState& state, const StageView& stage) {
         }
         appended_total = expected.hits.size();
     } else {
-        const auto counts = expect_buffer<std::uint32_t>(state, stage, "hit_counts", n);
-        const auto hits = stage.get<HitCandidate>("hits");
+        const auto counts = expect_buffer(state, stage, buffers::hit_counts, n);
+        const auto hits = stage.get(buffers::hits);
         const std::size_t capacity = n == 0 ? 0 : hits.size() / n;
         for (std::uint32_t ray = 0; ray < counts.size(); ++ray) {
             const std::uint32_t before =
@@ -256,11 +258,12 @@ void check_minimum(CheckState& state, const StageView& stage) {
     const EarlyOut policy = state.parameters.early_out;
     if (policy == EarlyOut::off) return;
     const TraversalState& traversal = state.traversal;
-    const auto minimum = expect_buffer<float>(state, stage, "minimum", traversal.rays.size());
+    const auto minimum = expect_buffer(state, stage, buffers::minimum, traversal.rays.size());
     if (stage.kind == StageKind::publish_minimum) {
-        expect_same<float>(
-            state, stage, invariant::kMinimum, "lowered", minimum, stage.get<float>("lowered"),
-            true, "not the nearest distance that is published", [](float t) { return exact(t); });
+        expect_same<float>(state, stage, invariant::kMinimum, buffers::lowered.name, minimum,
+                           stage.get(buffers::lowered), true,
+                           "not the nearest distance that is published",
+                           [](float t) { return exact(t); });
     }
     // Under `level` an intersect launch reads the minimum published before it, unchanged.
     const bool unchanged = policy == EarlyOut::level && stage.kind != StageKind::publish_minimum;

@@ -72,7 +72,7 @@ void check_nothing_waits(CheckState& state, const StageView& stage) {
                                      "the traversal ended while rays waited in a queue");
         failure.level = level;
         failure.node = state.bvh.level_begins[level] + node;
-        failure.field = "node_counts";
+        failure.field = buffers::node_counts.name;
         failure.expected = std::to_string(0);
         failure.found = std::to_string(counts[node]);
         state.add(std::move(failure));
@@ -84,20 +84,20 @@ void check_nothing_waits(CheckState& state, const StageView& stage) {
 
 void check_merge(CheckState& state, const StageView& stage) {
     const TraversalState& traversal = state.traversal;
-    const auto rays = stage.get<Ray>("rays");
+    const auto rays = stage.get(buffers::rays);
     const auto n = static_cast<std::uint32_t>(rays.size());
-    const auto merged = expect_buffer<Hit>(state, stage, "merged", n);
+    const auto merged = expect_buffer(state, stage, buffers::merged, n);
     if (merged.empty()) return;
     if (traversal.running) {
         check_nothing_waits(state, stage);
-        expect_same<Ray>(state, stage, invariant::kHandOver, "rays", traversal.rays, rays, true,
-                         "the rays changed in the middle of a traversal",
+        expect_same<Ray>(state, stage, invariant::kHandOver, buffers::rays.name, traversal.rays,
+                         rays, true, "the rays changed in the middle of a traversal",
                          [](const Ray& ray) { return exact(ray); });
     }
     const bool packed_mode = state.parameters.hit_mode == HitMode::packed;
-    const auto packed = stage.get<std::uint64_t>("packed_hits");
-    const auto counts = stage.get<std::uint32_t>("hit_counts");
-    const auto hits = stage.get<HitCandidate>("hits");
+    const auto packed = stage.get(buffers::packed_hits);
+    const auto counts = stage.get(buffers::hit_counts);
+    const auto hits = stage.get(buffers::hits);
     const std::size_t capacity = n == 0 ? 0 : hits.size() / n;
     if (packed_mode ? packed.size() != n : counts.size() != n) {
         state.add(failure_at(stage, invariant::kHandOver, "the gathered hits are missing"));

@@ -23,7 +23,7 @@ class Expectation {
     Expectation(CheckState& state, const StageView& stage) : state_(state), stage_(stage) {}
 
     template <class T>
-    bool equal(std::size_t ray, const char* field, const T& expected, const T& found) {
+    bool equal(std::size_t ray, std::string_view field, const T& expected, const T& found) {
         if (same_bits(expected, found)) return true;
         Failure failure = failure_at(stage_, invariant::kShading,
                                      "not what this vertex of the path gives, computed again");
@@ -67,22 +67,22 @@ Random4 random_of(const CheckState& state, std::size_t ray, std::uint32_t bounce
 }  // namespace
 
 void check_primary_paths(CheckState& state, const StageView& stage) {
-    const auto rays = stage.get<Ray>("rays");
-    const auto pixel = stage.get<std::uint32_t>("pixel");
-    const auto sample = stage.get<std::uint32_t>("sample");
+    const auto rays = stage.get(buffers::rays);
+    const auto pixel = stage.get(buffers::pixel);
+    const auto sample = stage.get(buffers::sample);
     if (pixel.size() != rays.size() || sample.size() != rays.size()) return;
     const PathParameters parameters = path_parameters(state.parameters);
     const Camera camera = view_of(state.scene).camera;
     Expectation expect(state, stage);
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const Ray ray = primary_ray(camera, parameters, pixel[i], sample[i]);
-        if (!expect.equal(i, "rays", ray, rays[i])) return;
+        if (!expect.equal(i, buffers::rays.name, ray, rays[i])) return;
     }
 }
 
 void check_light_paths(CheckState& state, const StageView& stage) {
-    const auto shadow = stage.get<Ray>("shadow_rays");
-    const auto potential = stage.get<Vec3>("potential");
+    const auto shadow = stage.get(buffers::shadow_rays);
+    const auto potential = stage.get(buffers::potential);
     const PathState& paths = state.paths;
     if (potential.size() != shadow.size() || !knows(state, shadow.size())) return;
     const PathParameters parameters = path_parameters(state.parameters);
@@ -95,17 +95,17 @@ void check_light_paths(CheckState& state, const StageView& stage) {
                 scene, parameters, paths.rays[i], paths.path_hits[i], paths.throughput[i],
                 random_of(state, i, stage.bounce, Dimension::light, stage.light));
         }
-        if (!expect.equal(i, "shadow_rays", light.shadow, shadow[i])) return;
-        if (!expect.equal(i, "potential", light.potential, potential[i])) return;
+        if (!expect.equal(i, buffers::shadow_rays.name, light.shadow, shadow[i])) return;
+        if (!expect.equal(i, buffers::potential.name, light.potential, potential[i])) return;
     }
 }
 
 void check_scattered_paths(CheckState& state, const StageView& stage) {
-    const auto rays = stage.get<Ray>("rays");
+    const auto rays = stage.get(buffers::rays);
     const std::size_t n = rays.size();
-    const auto throughput = stage.get<Vec3>("throughput");
-    const auto radiance = stage.get<Vec3>("radiance");
-    const auto flags = stage.get<std::uint32_t>("flags");
+    const auto throughput = stage.get(buffers::throughput);
+    const auto radiance = stage.get(buffers::radiance);
+    const auto flags = stage.get(buffers::flags);
     const PathState& paths = state.paths;
     if (throughput.size() != n || radiance.size() != n || flags.size() != n || !knows(state, n)) {
         return;
@@ -117,10 +117,11 @@ void check_scattered_paths(CheckState& state, const StageView& stage) {
         const Scattered next = scatter(scene, parameters, stage.bounce, paths.rays[i],
                                        paths.path_hits[i], paths.throughput[i], paths.flags[i],
                                        random_of(state, i, stage.bounce, Dimension::scatter, 0));
-        if (!expect.equal(i, "rays", next.ray, rays[i]) ||
-            !expect.equal(i, "throughput", next.throughput, throughput[i]) ||
-            !expect.equal(i, "radiance", paths.radiance[i] + next.emitted, radiance[i]) ||
-            !expect.equal(i, "flags", next.flags, flags[i])) {
+        if (!expect.equal(i, buffers::rays.name, next.ray, rays[i]) ||
+            !expect.equal(i, buffers::throughput.name, next.throughput, throughput[i]) ||
+            !expect.equal(i, buffers::radiance.name, paths.radiance[i] + next.emitted,
+                          radiance[i]) ||
+            !expect.equal(i, buffers::flags.name, next.flags, flags[i])) {
             return;
         }
     }

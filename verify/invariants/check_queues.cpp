@@ -317,7 +317,7 @@ bool check_input_queue(CheckState& state, const Launch& launch) {
         state.add(std::move(failure));
         return false;
     }
-    const auto offsets = launch.stage.get<std::uint32_t>("queue_offsets");
+    const auto offsets = launch.stage.get(buffers::queue_offsets);
     for (std::uint32_t i = 0; i < offsets.size(); ++i) {
         const std::uint32_t expected = i == 0 ? 0 : launch.ray_count;
         if (offsets[i] == expected) continue;
@@ -333,7 +333,7 @@ bool check_input_queue(CheckState& state, const Launch& launch) {
 /// Keeps the nearest box that each ray was kept out of; merge judges by the final hit.
 void remember_kept_out(CheckState& state, const StageView& stage, const Worker& worker) {
     auto& kept_out = state.traversal.kept_out;
-    kept_out.resize(stage.get<Ray>("rays").size());
+    kept_out.resize(stage.get(buffers::rays).size());
     for (const KeptOutRay& ray : worker.kept_out) {
         auto& nearest = kept_out[ray.ray];
         // For equal entries the lower node: the report must not depend on the workers.
@@ -358,20 +358,20 @@ void check_queues(CheckState& state, const StageView& stage) {
         stage.level + 2 < begins.size() ? begins[stage.level + 2] - begins[stage.level + 1] : 0u;
     const TraversalState& traversal = state.traversal;
     Launch launch{.stage = stage, .state = state};
-    launch.rays = stage.get<Ray>("rays");
+    launch.rays = stage.get(buffers::rays);
     launch.ray_count = static_cast<std::uint32_t>(launch.rays.size());
     launch.first_node = begins[stage.level];
     launch.first_child = begins[stage.level + 1];
     launch.per_block = static_cast<std::uint32_t>(state.parameters.rays_per_block);
-    launch.counts = expect_buffer<std::uint32_t>(state, stage, "node_counts", nodes);
-    launch.queue = stage.get<std::uint32_t>("queue");
+    launch.counts = expect_buffer(state, stage, buffers::node_counts, nodes);
+    launch.queue = stage.get(buffers::queue);
     if (stage.level > 0) {
-        launch.offsets = stage.get<std::uint32_t>("queue_offsets");
+        launch.offsets = stage.get(buffers::queue_offsets);
         if (launch.offsets.size() < nodes) {
-            launch.offsets = expect_buffer<std::uint32_t>(state, stage, "queue_offsets", nodes + 1);
+            launch.offsets = expect_buffer(state, stage, buffers::queue_offsets, nodes + 1);
         }
     }
-    launch.child_queue = stage.get<std::uint32_t>("child_queue");
+    launch.child_queue = stage.get(buffers::child_queue);
     if (stage.level == 0) launch.queue = {};
     if (launch.counts.empty() || (stage.level > 0 && launch.offsets.empty())) return;
     // At the root the rays are those generated for this traversal.
@@ -380,7 +380,7 @@ void check_queues(CheckState& state, const StageView& stage) {
     const std::vector<Ray>& made = stage.bounce == kNotApplicable
                                        ? none
                                        : (shadow ? state.paths.shadow_rays : state.paths.rays);
-    if (!expect_same<Ray>(state, stage, invariant::kHandOver, "rays",
+    if (!expect_same<Ray>(state, stage, invariant::kHandOver, buffers::rays.name,
                           stage.level == 0 ? made : traversal.rays, launch.rays, true,
                           "not the rays that this traversal was given",
                           [](const Ray& ray) { return exact(ray); })) {
@@ -388,20 +388,19 @@ void check_queues(CheckState& state, const StageView& stage) {
     }
     if (!check_input_queue(state, launch)) return;
 
-    launch.block_offsets = stage.get<std::uint32_t>("block_offsets");
+    launch.block_offsets = stage.get(buffers::block_offsets);
     if (launch.block_offsets.size() < nodes) launch.block_offsets = traversal.block_offsets;
     if (launch.block_offsets.size() < nodes) launch.block_offsets = {};
     if (state.parameters.early_out != EarlyOut::off) {
-        launch.minimum = expect_buffer<float>(state, stage, "minimum", launch.ray_count);
+        launch.minimum = expect_buffer(state, stage, buffers::minimum, launch.ray_count);
         if (launch.minimum.empty() && launch.ray_count != 0) return;
     }
     if (children != 0) {
-        launch.child_counts = expect_buffer<std::uint32_t>(state, stage, "child_counts", children);
-        launch.child_offsets =
-            expect_buffer<std::uint32_t>(state, stage, "child_offsets", children + 1);
+        launch.child_counts = expect_buffer(state, stage, buffers::child_counts, children);
+        launch.child_offsets = expect_buffer(state, stage, buffers::child_offsets, children + 1);
         if (launch.child_counts.empty() || launch.child_offsets.empty()) return;
         if (launch.child_queue.size() < launch.child_offsets.back()) {
-            expect_buffer<std::uint32_t>(state, stage, "child_queue", launch.child_offsets.back());
+            expect_buffer(state, stage, buffers::child_queue, launch.child_offsets.back());
             return;
         }
         for (std::uint32_t child = 0; child < children; ++child) {
@@ -450,7 +449,7 @@ void begin_traversal(CheckState& state, const StageView& stage) {
 void follow_level(CheckState& state, const StageView& stage) {
     TraversalState& traversal = state.traversal;
     if (stage.level == 0 || traversal.rays.empty()) {
-        traversal.rays = copy_of(stage.get<Ray>("rays"));
+        traversal.rays = copy_of(stage.get(buffers::rays));
         const std::size_t n = traversal.rays.size();
         traversal.hit_counts.assign(n, 0);
         traversal.hit_sums.assign(n, 0);
@@ -460,24 +459,24 @@ void follow_level(CheckState& state, const StageView& stage) {
     }
     traversal.level = stage.level;
     traversal.scanned = false;
-    traversal.node_counts = copy_of(stage.get<std::uint32_t>("child_counts"));
-    traversal.queue_offsets = copy_of(stage.get<std::uint32_t>("child_offsets"));
-    traversal.queue = copy_of(stage.get<std::uint32_t>("child_queue"));
+    traversal.node_counts = copy_of(stage.get(buffers::child_counts));
+    traversal.queue_offsets = copy_of(stage.get(buffers::child_offsets));
+    traversal.queue = copy_of(stage.get(buffers::child_queue));
 
     const auto note = [&](std::size_t ray, float t, std::uint32_t primitive) {
         HitCandidate& best = traversal.best[ray];
         if (t < best.t || (t == best.t && primitive < best.primitive)) best = {t, primitive};
     };
     const std::size_t n = traversal.rays.size();
-    const auto packed = stage.get<std::uint64_t>("packed_hits");
+    const auto packed = stage.get(buffers::packed_hits);
     for (std::size_t ray = 0; ray < packed.size() && ray < n; ++ray) {
         if (packed[ray] == kNoPackedHit || packed[ray] == traversal.packed[ray]) continue;
         traversal.packed[ray] = packed[ray];
         note(ray, std::bit_cast<float>(static_cast<std::uint32_t>(packed[ray] >> 32)),
              static_cast<std::uint32_t>(packed[ray]));
     }
-    const auto counts = stage.get<std::uint32_t>("hit_counts");
-    const auto hits = stage.get<HitCandidate>("hits");
+    const auto counts = stage.get(buffers::hit_counts);
+    const auto hits = stage.get(buffers::hits);
     const std::size_t capacity = n == 0 ? 0 : hits.size() / n;
     for (std::size_t ray = 0; ray < counts.size() && ray < n; ++ray) {
         const std::size_t end = counts[ray] < capacity ? counts[ray] : capacity;
@@ -491,7 +490,7 @@ void follow_level(CheckState& state, const StageView& stage) {
 
 void follow_minimum(CheckState& state, const StageView& stage) {
     if (state.parameters.early_out == EarlyOut::off) return;
-    const auto minimum = stage.get<float>("minimum");
+    const auto minimum = stage.get(buffers::minimum);
     if (minimum.size() == state.traversal.rays.size()) state.traversal.minimum = copy_of(minimum);
 }
 

@@ -9,6 +9,8 @@
 
 namespace scotty::verify {
 
+namespace buffers = reference::buffers;
+
 using reference::kNotApplicable;
 using reference::StageView;
 
@@ -16,7 +18,7 @@ namespace {
 
 /// Reports the first place where `scan` is not the exclusive scan of value(i), total last.
 template <class Value>
-void expect_scan(CheckState& state, const StageView& stage, const char* field,
+void expect_scan(CheckState& state, const StageView& stage, std::string_view field,
                  std::span<const std::uint32_t> scan, std::uint32_t first_node,
                  const Value& value) {
     std::uint64_t sum = 0;
@@ -50,33 +52,34 @@ void check_scan(CheckState& state, const StageView& stage) {
     const std::uint32_t nodes = begins[level + 1] - first;
     const std::uint32_t first_child = begins[level + 1];
     const std::uint32_t children = level + 2 < begins.size() ? begins[level + 2] - first_child : 0u;
-    const auto counts = expect_buffer<std::uint32_t>(state, stage, "node_counts", nodes);
-    const auto blocks = expect_buffer<std::uint32_t>(state, stage, "block_offsets", nodes + 1);
-    const auto regions = expect_buffer<std::uint32_t>(state, stage, "child_offsets", children + 1);
+    const auto counts = expect_buffer(state, stage, buffers::node_counts, nodes);
+    const auto blocks = expect_buffer(state, stage, buffers::block_offsets, nodes + 1);
+    const auto regions = expect_buffer(state, stage, buffers::child_offsets, children + 1);
     if (counts.empty()) return;
     const TraversalState& traversal = state.traversal;
     if (level > 0 && traversal.running) {
-        expect_same<std::uint32_t>(state, stage, invariant::kHandOver, "node_counts",
+        expect_same<std::uint32_t>(state, stage, invariant::kHandOver, buffers::node_counts.name,
                                    traversal.node_counts, counts, false,
                                    "not the counts that the level before has pushed",
                                    [](std::uint32_t count) { return std::to_string(count); });
     }
     const auto per_block = static_cast<std::uint32_t>(state.parameters.rays_per_block);
-    expect_scan(state, stage, "block_offsets", blocks, first, [&](std::uint32_t node) {
+    expect_scan(state, stage, buffers::block_offsets.name, blocks, first, [&](std::uint32_t node) {
         return (std::uint64_t{counts[node]} + per_block - 1) / per_block;
     });
-    expect_scan(state, stage, "child_offsets", regions, first_child, [&](std::uint32_t child) {
-        return counts[state.bvh.parents[first_child + child] - first];
-    });
+    expect_scan(state, stage, buffers::child_offsets.name, regions, first_child,
+                [&](std::uint32_t child) {
+                    return counts[state.bvh.parents[first_child + child] - first];
+                });
 }
 
 void follow_scan(CheckState& state, const StageView& stage) {
     TraversalState& traversal = state.traversal;
     traversal.level = stage.level;
     traversal.scanned = true;
-    traversal.block_offsets = copy_of(stage.get<std::uint32_t>("block_offsets"));
-    traversal.child_offsets = copy_of(stage.get<std::uint32_t>("child_offsets"));
-    if (stage.level == 0) traversal.node_counts = copy_of(stage.get<std::uint32_t>("node_counts"));
+    traversal.block_offsets = copy_of(stage.get(buffers::block_offsets));
+    traversal.child_offsets = copy_of(stage.get(buffers::child_offsets));
+    if (stage.level == 0) traversal.node_counts = copy_of(stage.get(buffers::node_counts));
 }
 
 }  // namespace scotty::verify

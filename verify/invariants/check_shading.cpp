@@ -51,20 +51,20 @@ void fail_ray(CheckState& state, const StageView& stage, const char* tag, std::s
 }  // namespace
 
 void check_primary_rays(CheckState& state, const StageView& stage) {
-    const auto rays = stage.get<Ray>("rays");
+    const auto rays = stage.get(buffers::rays);
     const std::size_t n = rays.size();
-    const auto throughput = expect_buffer<Vec3>(state, stage, "throughput", n);
-    const auto radiance = expect_buffer<Vec3>(state, stage, "radiance", n);
-    const auto potential = expect_buffer<Vec3>(state, stage, "potential", n);
-    const auto pixel = expect_buffer<std::uint32_t>(state, stage, "pixel", n);
-    const auto sample = expect_buffer<std::uint32_t>(state, stage, "sample", n);
-    const auto depth = expect_buffer<std::uint32_t>(state, stage, "depth", n);
-    const auto flags = expect_buffer<std::uint32_t>(state, stage, "flags", n);
+    const auto throughput = expect_buffer(state, stage, buffers::throughput, n);
+    const auto radiance = expect_buffer(state, stage, buffers::radiance, n);
+    const auto potential = expect_buffer(state, stage, buffers::potential, n);
+    const auto pixel = expect_buffer(state, stage, buffers::pixel, n);
+    const auto sample = expect_buffer(state, stage, buffers::sample, n);
+    const auto depth = expect_buffer(state, stage, buffers::depth, n);
+    const auto flags = expect_buffer(state, stage, buffers::flags, n);
     if (throughput.size() != n || radiance.size() != n || potential.size() != n ||
         pixel.size() != n || sample.size() != n || depth.size() != n || flags.size() != n) {
         return;
     }
-    check_ray_records(state, stage, "rays", rays);
+    check_ray_records(state, stage, buffers::rays.name, rays);
     const std::size_t pixels =
         std::size_t{state.parameters.image_width} * state.parameters.image_height;
     auto& samples = state.image.samples;
@@ -96,13 +96,14 @@ void check_primary_rays(CheckState& state, const StageView& stage) {
 }
 
 void check_direct_light_rays(CheckState& state, const StageView& stage) {
-    const auto hits = stage.get<Hit>("path_hits");
+    const auto hits = stage.get(buffers::path_hits);
     const std::size_t n = hits.size();
-    const auto shadow = expect_buffer<Ray>(state, stage, "shadow_rays", n);
-    const auto potential = expect_buffer<Vec3>(state, stage, "potential", n);
-    expect_same<Hit>(state, stage, invariant::kHandOver, "path_hits", state.paths.path_hits, hits,
-                     true, "the path's own hits changed since they were merged", describe_hit);
-    check_ray_records(state, stage, "shadow_rays", shadow);
+    const auto shadow = expect_buffer(state, stage, buffers::shadow_rays, n);
+    const auto potential = expect_buffer(state, stage, buffers::potential, n);
+    expect_same<Hit>(state, stage, invariant::kHandOver, buffers::path_hits.name,
+                     state.paths.path_hits, hits, true,
+                     "the path's own hits changed since they were merged", describe_hit);
+    check_ray_records(state, stage, buffers::shadow_rays.name, shadow);
     for (std::size_t i = 0; i < shadow.size() && i < potential.size(); ++i) {
         if (!is_hit(hits[i]) && !is_dead(shadow[i])) {
             fail_ray(state, stage, invariant::kPathState, i, fmt::format("shadow_rays[{}]", i),
@@ -121,15 +122,17 @@ void check_direct_light_rays(CheckState& state, const StageView& stage) {
 }
 
 void check_resolve_light(CheckState& state, const StageView& stage) {
-    const auto hits = stage.get<Hit>("shadow_hits");
+    const auto hits = stage.get(buffers::shadow_hits);
     const std::size_t n = hits.size();
-    const auto potential = expect_buffer<Vec3>(state, stage, "potential", n);
-    const auto radiance = expect_buffer<Vec3>(state, stage, "radiance", n);
+    const auto potential = expect_buffer(state, stage, buffers::potential, n);
+    const auto radiance = expect_buffer(state, stage, buffers::radiance, n);
     const PathState& paths = state.paths;
-    expect_same<Hit>(state, stage, invariant::kHandOver, "shadow_hits", paths.shadow_hits, hits,
-                     true, "the shadow rays' hits changed since they were merged", describe_hit);
-    expect_same<Vec3>(state, stage, invariant::kHandOver, "potential", paths.potential, potential,
-                      true, "the potential radiance changed since the shadow rays were made",
+    expect_same<Hit>(state, stage, invariant::kHandOver, buffers::shadow_hits.name,
+                     paths.shadow_hits, hits, true,
+                     "the shadow rays' hits changed since they were merged", describe_hit);
+    expect_same<Vec3>(state, stage, invariant::kHandOver, buffers::potential.name, paths.potential,
+                      potential, true,
+                      "the potential radiance changed since the shadow rays were made",
                       [](const Vec3& value) { return exact(value); });
     if (paths.radiance.size() != n || paths.shadow_rays.size() != n) return;
     for (std::size_t i = 0; i < potential.size() && i < radiance.size(); ++i) {
@@ -145,21 +148,22 @@ void check_resolve_light(CheckState& state, const StageView& stage) {
 }
 
 void check_scene_rays(CheckState& state, const StageView& stage) {
-    const auto hits = stage.get<Hit>("path_hits");
+    const auto hits = stage.get(buffers::path_hits);
     const std::size_t n = hits.size();
-    const auto rays = expect_buffer<Ray>(state, stage, "rays", n);
-    const auto throughput = expect_buffer<Vec3>(state, stage, "throughput", n);
-    const auto radiance = expect_buffer<Vec3>(state, stage, "radiance", n);
-    const auto flags = expect_buffer<std::uint32_t>(state, stage, "flags", n);
-    const auto depth = expect_buffer<std::uint32_t>(state, stage, "depth", n);
+    const auto rays = expect_buffer(state, stage, buffers::rays, n);
+    const auto throughput = expect_buffer(state, stage, buffers::throughput, n);
+    const auto radiance = expect_buffer(state, stage, buffers::radiance, n);
+    const auto flags = expect_buffer(state, stage, buffers::flags, n);
+    const auto depth = expect_buffer(state, stage, buffers::depth, n);
     if (rays.size() != n || throughput.size() != n || radiance.size() != n || flags.size() != n ||
         depth.size() != n) {
         return;
     }
     const PathState& paths = state.paths;
-    expect_same<Hit>(state, stage, invariant::kHandOver, "path_hits", paths.path_hits, hits, true,
-                     "the path's own hits changed since they were merged", describe_hit);
-    check_ray_records(state, stage, "rays", rays);
+    expect_same<Hit>(state, stage, invariant::kHandOver, buffers::path_hits.name, paths.path_hits,
+                     hits, true, "the path's own hits changed since they were merged",
+                     describe_hit);
+    check_ray_records(state, stage, buffers::rays.name, rays);
     const bool last = stage.bounce != kNotApplicable && stage.bounce >= state.parameters.bounces;
     for (std::size_t i = 0; i < n; ++i) {
         const bool alive = (flags[i] & kPathAlive) != 0;
@@ -193,7 +197,7 @@ void check_scene_rays(CheckState& state, const StageView& stage) {
 
 namespace {
 
-Failure pixel_failure(const CheckState& state, const StageView& stage, const char* buffer,
+Failure pixel_failure(const CheckState& state, const StageView& stage, std::string_view buffer,
                       std::size_t pixel, const char* sentence, const Vec3& expected,
                       const Vec3& found) {
     Failure failure = failure_at(stage, invariant::kPixels, sentence);
@@ -208,17 +212,18 @@ Failure pixel_failure(const CheckState& state, const StageView& stage, const cha
 }  // namespace
 
 void check_image(CheckState& state, const StageView& stage) {
-    const auto radiance = stage.get<Vec3>("radiance");
-    const auto pixel = expect_buffer<std::uint32_t>(state, stage, "pixel", radiance.size());
+    const auto radiance = stage.get(buffers::radiance);
+    const auto pixel = expect_buffer(state, stage, buffers::pixel, radiance.size());
     const std::size_t pixels =
         std::size_t{state.parameters.image_width} * state.parameters.image_height;
-    const auto image = expect_buffer<Vec3>(state, stage, "image", pixels);
-    const auto variance = expect_buffer<Vec3>(state, stage, "variance", pixels);
+    const auto image = expect_buffer(state, stage, buffers::image, pixels);
+    const auto variance = expect_buffer(state, stage, buffers::variance, pixels);
     if (pixel.size() != radiance.size() || image.size() != pixels || variance.size() != pixels) {
         return;
     }
-    expect_same<Vec3>(state, stage, invariant::kHandOver, "radiance", state.paths.radiance,
-                      radiance, true, "the radiance changed after the last bounce",
+    expect_same<Vec3>(state, stage, invariant::kHandOver, buffers::radiance.name,
+                      state.paths.radiance, radiance, true,
+                      "the radiance changed after the last bounce",
                       [](const Vec3& value) { return exact(value); });
     ImageState& sums = state.image;
     sums.summed.resize(pixels, 0);
@@ -243,7 +248,7 @@ void check_image(CheckState& state, const StageView& stage) {
         Vec3 of_mean = sums.deviations[p];
         if (complete && n > 1.0f) of_mean = of_mean * (1.0f / (n * (n - 1.0f)));
         if (!same_bits(mean, image[p])) {
-            state.add(pixel_failure(state, stage, "image", p,
+            state.add(pixel_failure(state, stage, buffers::image.name, p,
                                     complete ? "a pixel is not the mean of its samples"
                                              : "a pixel is not the sum of its samples so far",
                                     mean, image[p]));
@@ -251,7 +256,7 @@ void check_image(CheckState& state, const StageView& stage) {
         }
         if (same_bits(of_mean, variance[p])) continue;
         state.add(pixel_failure(
-            state, stage, "variance", p,
+            state, stage, buffers::variance.name, p,
             complete ? "a pixel's variance is not that of its samples' mean"
                      : "a pixel's squared deviations are not those of its samples so far",
             of_mean, variance[p]));
@@ -263,23 +268,23 @@ void follow_shading(CheckState& state, const StageView& stage) {
     PathState& paths = state.paths;
     const bool shadow = stage.light != kNotApplicable;
     if (stage.kind == StageKind::merge_intersections) {
-        (shadow ? paths.shadow_hits : paths.path_hits) = copy_of(stage.get<Hit>("merged"));
+        (shadow ? paths.shadow_hits : paths.path_hits) = copy_of(stage.get(buffers::merged));
         return;
     }
     if (stage.kind == StageKind::direct_light_rays) {
-        paths.shadow_rays = copy_of(stage.get<Ray>("shadow_rays"));
-        paths.potential = copy_of(stage.get<Vec3>("potential"));
+        paths.shadow_rays = copy_of(stage.get(buffers::shadow_rays));
+        paths.potential = copy_of(stage.get(buffers::potential));
         return;
     }
-    paths.radiance = copy_of(stage.get<Vec3>("radiance"));
+    paths.radiance = copy_of(stage.get(buffers::radiance));
     if (stage.kind == StageKind::resolve_light) return;
-    paths.rays = copy_of(stage.get<Ray>("rays"));
-    paths.throughput = copy_of(stage.get<Vec3>("throughput"));
-    paths.flags = copy_of(stage.get<std::uint32_t>("flags"));
-    paths.depth = copy_of(stage.get<std::uint32_t>("depth"));
+    paths.rays = copy_of(stage.get(buffers::rays));
+    paths.throughput = copy_of(stage.get(buffers::throughput));
+    paths.flags = copy_of(stage.get(buffers::flags));
+    paths.depth = copy_of(stage.get(buffers::depth));
     if (stage.kind == StageKind::scene_rays) return;
-    paths.pixel = copy_of(stage.get<std::uint32_t>("pixel"));
-    paths.sample = copy_of(stage.get<std::uint32_t>("sample"));
+    paths.pixel = copy_of(stage.get(buffers::pixel));
+    paths.sample = copy_of(stage.get(buffers::sample));
 }
 
 }  // namespace scotty::verify

@@ -110,12 +110,12 @@ std::vector<T> copy_of(std::span<const T> values) {
 /// The buffer, or nothing and a failure if it is missing or has another size.
 template <class T>
 std::span<const T> expect_buffer(CheckState& state, const reference::StageView& stage,
-                                 std::string_view name, std::size_t size) {
-    const std::span<const T> values = stage.get<T>(name);
+                                 const reference::Buffer<T>& buffer, std::size_t size) {
+    const std::span<const T> values = stage.get(buffer);
     if (values.size() == size) return values;
     Failure failure = failure_at(stage, invariant::kHandOver,
                                  "a buffer is missing or has another size than the contract says");
-    failure.field = std::string(name);
+    failure.field = std::string(buffer.name);
     failure.expected = std::to_string(size) + " elements";
     failure.found = std::to_string(values.size());
     state.add(std::move(failure));

@@ -12,6 +12,8 @@
 
 namespace scotty::verify {
 
+namespace buffers = reference::buffers;
+
 using reference::Adjudication;
 using reference::Disagreement;
 using reference::Hit;
@@ -35,7 +37,7 @@ Failure hit_failure(const char* tag, const TraversalRecord& traversal, std::size
     failure.invariant = tag;
     failure.stage = traversal.stage();
     failure.ray = static_cast<std::uint32_t>(path);
-    failure.field = "merged";
+    failure.field = buffers::merged.name;
     failure.sentence = fmt::format("{} (pixel {}, sample {})", sentence, path / spp, path % spp);
     return failure;
 }

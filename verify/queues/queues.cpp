@@ -10,6 +10,8 @@
 
 namespace scotty::verify {
 
+namespace buffers = reference::buffers;
+
 using reference::Error;
 using reference::kNotApplicable;
 using reference::StageKind;
@@ -92,12 +94,13 @@ std::shared_ptr<const reference::OwnedBuffer> Queues::buffer(const StageRecord& 
 }
 
 PartialStage Queues::some_of(const StageRecord& stage,
-                             const std::vector<const char*>& names) const {
+                             std::initializer_list<const reference::BufferInfo*> wanted) const {
     PartialStage part;
     part.view = bare_view(stage);
-    for (const char* name : names) {
+    for (const reference::BufferInfo* info : wanted) {
         for (const bool output : {false, true}) {
-            const BufferRecord* record = output ? stage.output(name) : stage.input(name);
+            const BufferRecord* record =
+                output ? stage.output(info->name) : stage.input(info->name);
             if (record == nullptr) continue;
             part.kept.push_back(buffer(stage, *record));
             (output ? part.view.outputs : part.view.inputs).push_back(part.kept.back()->view());
@@ -117,15 +120,16 @@ LevelQueues Queues::queues_of(const StageRecord& stage) const {
                                                        bvh_.level_count(), stage.level));
     }
     LevelQueues out;
-    out.stage = some_of(stage, {"node_counts", "queue_offsets", "block_offsets", "queue"});
+    out.stage = some_of(stage, {&buffers::node_counts, &buffers::queue_offsets,
+                                &buffers::block_offsets, &buffers::queue});
     out.first_node = bvh_.level_begins[stage.level];
     const std::uint32_t nodes = bvh_.level_begins[stage.level + 1] - out.first_node;
-    const auto counts = out.stage.get<std::uint32_t>("node_counts");
-    out.block_offsets = out.stage.get<std::uint32_t>("block_offsets");
+    const auto counts = out.stage.get(buffers::node_counts);
+    out.block_offsets = out.stage.get(buffers::block_offsets);
     if (stage.level == 0 && counts.size() == 1) {
         out.regions.regions = {{0, counts[0], counts[0], counts[0]}};
-    } else if (const auto* queue = out.stage.view.find("queue"); queue != nullptr) {
-        out.queue = out.stage.get<std::uint32_t>("queue");
+    } else if (const auto* queue = out.stage.view.find(buffers::queue.name); queue != nullptr) {
+        out.queue = out.stage.get(buffers::queue);
         out.regions = regions_of(out.stage.view, *queue, false);
     }
     if (counts.size() != nodes || out.nodes() != nodes || out.block_offsets.size() < nodes ||
@@ -140,8 +144,9 @@ LevelQueues Queues::queues_of(const StageRecord& stage) const {
 
 std::optional<LevelTotals> Queues::totals(const StageRecord& stage) const {
     if (!is_level_kernel(stage.kind) || stage.level >= bvh_.level_count()) return std::nullopt;
-    const PartialStage part = some_of(stage, {"node_counts", "block_offsets", "child_counts"});
-    const auto counts = part.get<std::uint32_t>("node_counts");
+    const PartialStage part =
+        some_of(stage, {&buffers::node_counts, &buffers::block_offsets, &buffers::child_counts});
+    const auto counts = part.get(buffers::node_counts);
     if (counts.empty()) return std::nullopt;
     LevelTotals out;
     out.nodes = static_cast<std::uint32_t>(counts.size());
@@ -152,9 +157,9 @@ std::optional<LevelTotals> Queues::totals(const StageRecord& stage) const {
         out.longest = counts[i];
         out.longest_node = bvh_.level_begins[stage.level] + i;
     }
-    const auto blocks = part.get<std::uint32_t>("block_offsets");
+    const auto blocks = part.get(buffers::block_offsets);
     out.blocks = blocks.empty() ? stage.blocks : blocks.back();
-    for (const std::uint32_t count : part.get<std::uint32_t>("child_counts")) out.pushed += count;
+    for (const std::uint32_t count : part.get(buffers::child_counts)) out.pushed += count;
     return out;
 }
 
@@ -180,8 +185,8 @@ std::vector<LaunchRow> Queues::launches(const DiffReport* verdicts) const {
 
 std::vector<NodeRow> Queues::nodes(const StageRecord& stage) const {
     const LevelQueues queues = queues_of(stage);
-    const PartialStage children = some_of(stage, {"child_counts"});
-    const auto pushed = children.get<std::uint32_t>("child_counts");
+    const PartialStage children = some_of(stage, {&buffers::child_counts});
+    const auto pushed = children.get(buffers::child_counts);
     const std::uint32_t first_child = bvh_.level_begins[stage.level + 1];
     std::vector<NodeRow> rows;
     for (std::uint32_t i = 0; i < queues.nodes(); ++i) {
@@ -219,9 +224,9 @@ std::vector<Entry> Queues::entries(const StageRecord& stage, std::uint32_t node)
                                                        node, level, stage.level, queues.first_node,
                                                        queues.first_node + queues.nodes() - 1));
     }
-    const PartialStage state = some_of(stage, {"rays", "minimum"});
-    const auto rays = state.get<reference::Ray>("rays");
-    const auto minimum = state.get<float>("minimum");
+    const PartialStage state = some_of(stage, {&buffers::rays, &buffers::minimum});
+    const auto rays = state.get(buffers::rays);
+    const auto minimum = state.get(buffers::minimum);
     const std::uint32_t position = node - queues.first_node;
     std::vector<Entry> out(queues.regions.regions[position].count);
     for (std::uint32_t p = 0; p < out.size(); ++p) {
@@ -243,7 +248,8 @@ const PartialStage* Queues::primary_rays(std::uint32_t batch) const {
         const StageRecord* stage = capture_.find(
             reference::stage_name(StageKind::primary_rays, batch, kNotApplicable, kNotApplicable,
                                   kNotApplicable, capture_.header().several_batches));
-        origins_[batch] = stage == nullptr ? PartialStage{} : some_of(*stage, {"pixel", "sample"});
+        origins_[batch] = stage == nullptr ? PartialStage{}
+                                           : some_of(*stage, {&buffers::pixel, &buffers::sample});
     }
     return &*origins_[batch];
 }
@@ -253,7 +259,8 @@ std::size_t Queues::ray_count(std::uint32_t batch) const {
         if (stage.batch != batch) continue;
         for (const auto* buffers : {&stage.inputs, &stage.outputs}) {
             for (const BufferRecord& buffer : *buffers) {
-                if (buffer.name == "rays" || buffer.name == "radiance") return buffer.shape.at(0);
+                if (buffer.name == buffers::rays.name || buffer.name == buffers::radiance.name)
+                    return buffer.shape.at(0);
             }
         }
     }
@@ -263,8 +270,8 @@ std::size_t Queues::ray_count(std::uint32_t batch) const {
 std::optional<Provenance> Queues::origin(std::uint32_t batch, std::uint32_t ray) const {
     const PartialStage* stage = primary_rays(batch);
     if (stage == nullptr) return std::nullopt;
-    const auto pixel = stage->get<std::uint32_t>("pixel");
-    const auto sample = stage->get<std::uint32_t>("sample");
+    const auto pixel = stage->get(buffers::pixel);
+    const auto sample = stage->get(buffers::sample);
     if (ray >= pixel.size() || ray >= sample.size()) return std::nullopt;
     const std::uint32_t width = parameters().image_width;
     return Provenance{pixel[ray] % width, pixel[ray] / width, sample[ray]};
@@ -282,7 +289,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> Queues::rays_of(std::uint32
     std::vector<std::pair<std::uint32_t, std::uint32_t>> out;
     bool known = false;
     for (std::uint32_t batch = 0; batch < batches_; ++batch) {
-        const auto pixel = primary_rays(batch)->get<std::uint32_t>("pixel");
+        const auto pixel = primary_rays(batch)->get(buffers::pixel);
         known = known || !pixel.empty();
         for (std::uint32_t ray = 0; ray < pixel.size(); ++ray) {
             if (pixel[ray] == y * p.image_width + x) out.emplace_back(batch, ray);

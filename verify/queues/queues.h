@@ -75,8 +75,8 @@ struct PartialStage {
     std::vector<std::shared_ptr<const reference::OwnedBuffer>> kept;  ///< what the view points into
 
     template <class T>
-    std::span<const T> get(std::string_view buffer) const {
-        return view.get<T>(buffer);
+    std::span<const T> get(const reference::Buffer<T>& buffer) const {
+        return view.get(buffer);
     }
 };
 
@@ -135,7 +135,8 @@ class Queues {
                                                                  std::uint32_t y) const;
 
     /// The named buffers; those that the launch has not are left out.
-    PartialStage some_of(const StageRecord& stage, const std::vector<const char*>& names) const;
+    PartialStage some_of(const StageRecord& stage,
+                         std::initializer_list<const reference::BufferInfo*> wanted) const;
 
  private:
     std::shared_ptr<const reference::OwnedBuffer> buffer(const StageRecord& stage,

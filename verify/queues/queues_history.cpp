@@ -138,12 +138,12 @@ class Historian {
 
     void add_level(const StageRecord& stage) {
         const LevelQueues level = queues_.queues_of(stage);
-        const PartialStage state = queues_.some_of(stage, {"rays", "minimum"});
+        const PartialStage state = queues_.some_of(stage, {&buffers::rays, &buffers::minimum});
         const Below below = find_below(stage);
         note_gaps(stage);
         for (RayHistory& history : out_) {
             TraversalHistory& traversal = traversal_of(history, stage);
-            traversal.ray = at(state.get<Ray>("rays"), history.ray);
+            traversal.ray = at(state.get(buffers::rays), history.ray);
         }
         for (std::uint32_t node = 0; node < level.nodes(); ++node) {
             const std::size_t count = level.regions.regions[node].count;
@@ -182,7 +182,7 @@ class Historian {
         visit.position = static_cast<std::uint32_t>(p);
         visit.block = level.block(node, p);
         visit.thread = visit.position % stage.threads;
-        visit.minimum = at(state.get<float>("minimum"), history.ray);
+        visit.minimum = at(state.get(buffers::minimum), history.ray);
         const std::uint32_t ref = bvh_.node_refs[visit.node];
         visit.leaf = bvh_.ends_queues(visit.node);
         visit.subtree = visit.leaf && !is_leaf(ref);
@@ -209,12 +209,12 @@ class Historian {
     }
 
     Below find_below(const StageRecord& stage) {
-        const PartialStage part =
-            queues_.some_of(stage, {"child_counts", "child_offsets", "child_queue"});
+        const PartialStage part = queues_.some_of(
+            stage, {&buffers::child_counts, &buffers::child_offsets, &buffers::child_queue});
         Below below;
-        const BufferView* queue = part.view.find("child_queue");
+        const BufferView* queue = part.view.find(buffers::child_queue.name);
         if (queue == nullptr) return below;
-        const auto entries = part.get<std::uint32_t>("child_queue");
+        const auto entries = part.get(buffers::child_queue);
         const Regions regions = regions_of(part.view, *queue, true);
         std::uint32_t node = bvh_.level_begins[stage.level + 1];
         for (const Regions::Region& region : regions.regions) {
@@ -264,13 +264,13 @@ class Historian {
     void add_hits(const StageRecord& stage) {
         const bool packed_mode = queues_.parameters().hit_mode == HitMode::packed;
         const PartialStage counts =
-            queues_.some_of(stage, {packed_mode ? "packed_hits" : "hit_counts"});
+            queues_.some_of(stage, {&buffers::packed_hits, &buffers::hit_counts});
         std::optional<PartialStage> hits;  // large: read only where a ray of ours has new ones
         for (RayHistory& history : out_) {
             const auto key = std::pair(std::pair(stage.bounce, stage.light), history.ray);
             std::vector<GatheredHit> fresh;
             if (packed_mode) {
-                const auto word = at(counts.get<std::uint64_t>("packed_hits"), history.ray);
+                const auto word = at(counts.get(buffers::packed_hits), history.ray);
                 std::uint64_t& before = packed_.emplace(key, kNoPackedHit).first->second;
                 if (word && *word != before) {
                     before = *word;
@@ -280,9 +280,10 @@ class Historian {
                 }
             } else {
                 std::uint32_t& before = gathered_[key];
-                const auto count = at(counts.get<std::uint32_t>("hit_counts"), history.ray);
+                const auto count = at(counts.get(buffers::hit_counts), history.ray);
                 if (count && *count > before) {
-                    if (!hits) hits = queues_.some_of(stage, {"hits", "hit_counts"});
+                    if (!hits)
+                        hits = queues_.some_of(stage, {&buffers::hits, &buffers::hit_counts});
                     fresh = fresh_hits(*hits, history.ray, before, *count);
                     before = *count;
                 }
@@ -294,8 +295,8 @@ class Historian {
     static std::vector<GatheredHit> fresh_hits(const PartialStage& stage, std::uint32_t ray,
                                                std::uint32_t before, std::uint32_t count) {
         std::vector<GatheredHit> out;
-        const auto hits = stage.get<HitCandidate>("hits");
-        const std::size_t rays = stage.get<std::uint32_t>("hit_counts").size();
+        const auto hits = stage.get(buffers::hits);
+        const std::size_t rays = stage.get(buffers::hit_counts).size();
         const std::size_t capacity = rays == 0 ? 0 : hits.size() / rays;
         for (std::uint32_t slot = before; slot < count && slot < capacity; ++slot) {
             out.push_back({slot, hits[ray * capacity + slot]});
@@ -337,12 +338,12 @@ class Historian {
     }
 
     void add_merge(const StageRecord& stage) {
-        const PartialStage part = queues_.some_of(stage, {"rays", "merged"});
+        const PartialStage part = queues_.some_of(stage, {&buffers::rays, &buffers::merged});
         for (RayHistory& history : out_) {
             TraversalHistory& traversal = traversal_of(history, stage);
             traversal.merge_launch = stage.launch;
-            traversal.merged = at(part.get<Hit>("merged"), history.ray);
-            if (!traversal.ray) traversal.ray = at(part.get<Ray>("rays"), history.ray);
+            traversal.merged = at(part.get(buffers::merged), history.ray);
+            if (!traversal.ray) traversal.ray = at(part.get(buffers::rays), history.ray);
             if (!traversal.merged || !is_hit(*traversal.merged)) continue;
             for (Visit& visit : traversal.visits) {
                 for (GatheredHit& hit : visit.hits) {
@@ -356,43 +357,44 @@ class Historian {
 
     void add_light(const StageRecord& stage) {
         const bool resolve = stage.kind == StageKind::resolve_light;
-        const PartialStage part = resolve ? queues_.some_of(stage, {"radiance"})
-                                          : queues_.some_of(stage, {"shadow_rays", "potential"});
+        const PartialStage part =
+            resolve ? queues_.some_of(stage, {&buffers::radiance})
+                    : queues_.some_of(stage, {&buffers::shadow_rays, &buffers::potential});
         for (RayHistory& history : out_) {
             LightHistory& light = light_of(history, stage);
             if (resolve) {
-                light.radiance = at(part.get<Vec3>("radiance"), history.ray);
+                light.radiance = at(part.get(buffers::radiance), history.ray);
             } else {
-                light.shadow_ray = at(part.get<Ray>("shadow_rays"), history.ray);
-                light.potential = at(part.get<Vec3>("potential"), history.ray);
+                light.shadow_ray = at(part.get(buffers::shadow_rays), history.ray);
+                light.potential = at(part.get(buffers::potential), history.ray);
             }
         }
     }
 
     void add_scene_rays(const StageRecord& stage) {
-        const PartialStage part =
-            queues_.some_of(stage, {"rays", "throughput", "radiance", "flags"});
+        const PartialStage part = queues_.some_of(
+            stage, {&buffers::rays, &buffers::throughput, &buffers::radiance, &buffers::flags});
         for (RayHistory& history : out_) {
             BounceHistory& bounce = bounce_of(history, stage);
-            bounce.flags = at(part.get<std::uint32_t>("flags"), history.ray);
-            bounce.next = at(part.get<Ray>("rays"), history.ray);
-            bounce.throughput = at(part.get<Vec3>("throughput"), history.ray);
-            bounce.radiance = at(part.get<Vec3>("radiance"), history.ray);
+            bounce.flags = at(part.get(buffers::flags), history.ray);
+            bounce.next = at(part.get(buffers::rays), history.ray);
+            bounce.throughput = at(part.get(buffers::throughput), history.ray);
+            bounce.radiance = at(part.get(buffers::radiance), history.ray);
         }
     }
 
     void add_image(const StageRecord& stage) {
-        const PartialStage part = queues_.some_of(stage, {"radiance"});
+        const PartialStage part = queues_.some_of(stage, {&buffers::radiance});
         const auto& stages = queues_.capture().stages();
         const auto last = std::find_if(stages.rbegin(), stages.rend(), [](const StageRecord& s) {
             return s.kind == StageKind::reconstruct_image;
         });
-        const PartialStage finished = queues_.some_of(*last, {"image"});
+        const PartialStage finished = queues_.some_of(*last, {&buffers::image});
         for (RayHistory& history : out_) {
-            history.radiance = at(part.get<Vec3>("radiance"), history.ray);
+            history.radiance = at(part.get(buffers::radiance), history.ray);
             if (!history.from) continue;
             history.pixel =
-                at(finished.get<Vec3>("image"),
+                at(finished.get(buffers::image),
                    std::size_t{history.from->pixel_y} * queues_.parameters().image_width +
                        history.from->pixel_x);
         }

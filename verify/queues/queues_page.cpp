@@ -18,6 +18,8 @@
 
 namespace scotty::verify {
 
+namespace buffers = reference::buffers;
+
 using nlohmann::json;
 using reference::kNone;
 using reference::kNotApplicable;
@@ -212,8 +214,8 @@ class PageMaker {
     }
 
     std::vector<std::uint32_t> counts(const Queues& queues, const StageRecord& stage) const {
-        const PartialStage part = queues.some_of(stage, {"node_counts"});
-        const auto of = part.get<std::uint32_t>("node_counts");
+        const PartialStage part = queues.some_of(stage, {&buffers::node_counts});
+        const auto of = part.get(buffers::node_counts);
         return {of.begin(), of.end()};
     }
 
@@ -323,9 +325,9 @@ class PageMaker {
         for (const auto& [side, queues] : {std::pair("a", &a_), std::pair("b", b_)}) {
             const StageRecord* stage = queues == nullptr ? nullptr : last(*queues);
             if (stage == nullptr) continue;
-            const PartialStage part = queues->some_of(*stage, {"image"});
-            if (part.view.find("image") == nullptr) continue;
-            const std::uint32_t number = pool_.add(part.get<float>("image"));
+            const PartialStage part = queues->some_of(*stage, {&buffers::image});
+            if (part.view.find(buffers::image.name) == nullptr) continue;
+            const std::uint32_t number = pool_.add(part.view.get<float>(buffers::image.name));
             if (pool_.close(room() / 2)) out[side] = number;
         }
         return out;

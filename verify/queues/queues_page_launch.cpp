@@ -6,6 +6,8 @@
 
 namespace scotty::verify {
 
+namespace buffers = reference::buffers;
+
 using nlohmann::json;
 using reference::StageKind;
 
@@ -54,12 +56,12 @@ json level_arrays(PageArrays& pool, const Queues& queues, const StageRecord& sta
         {"offsets", pool.add(of_regions(level.regions, [](const Region& r) { return r.begin; }))},
         {"claimed", pool.add(of_regions(level.regions, [](const Region& r) { return r.claimed; }))},
         {"block_offsets", pool.add(level.block_offsets)}};
-    const PartialStage below =
-        queues.some_of(stage, {"child_counts", "child_offsets", "child_queue"});
-    if (const auto* child_queue = below.view.find("child_queue"); child_queue != nullptr) {
+    const PartialStage below = queues.some_of(
+        stage, {&buffers::child_counts, &buffers::child_offsets, &buffers::child_queue});
+    if (const auto* child_queue = below.view.find(buffers::child_queue.name);
+        child_queue != nullptr) {
         const Regions regions = regions_of(below.view, *child_queue, true);
-        out["child_queue"] =
-            pool.add(without_gaps(below.get<std::uint32_t>("child_queue"), regions));
+        out["child_queue"] = pool.add(without_gaps(below.get(buffers::child_queue), regions));
         out["child_counts"] =
             pool.add(of_regions(regions, [](const Region& r) { return r.count; }));
         out["child_claimed"] =
@@ -68,11 +70,11 @@ json level_arrays(PageArrays& pool, const Queues& queues, const StageRecord& sta
         out["child_offsets"] =
             pool.add(of_regions(regions, [](const Region& r) { return r.begin; }));
     }
-    const PartialStage state = queues.some_of(stage, {"rays", "minimum"});
-    if (const auto rays = state.get<reference::Ray>("rays"); !rays.empty()) {
+    const PartialStage state = queues.some_of(stage, {&buffers::rays, &buffers::minimum});
+    if (const auto rays = state.get(buffers::rays); !rays.empty()) {
         out["rays"] = pool.add(as_floats(rays));
     }
-    if (const auto minimum = state.get<float>("minimum"); !minimum.empty()) {
+    if (const auto minimum = state.get(buffers::minimum); !minimum.empty()) {
         out["minimum"] = pool.add(minimum);
     }
     const auto found = log == nullptr ? std::map<std::uint32_t, VisitLog>::const_iterator{}
@@ -86,12 +88,12 @@ json level_arrays(PageArrays& pool, const Queues& queues, const StageRecord& sta
 json merge_arrays(PageArrays& pool, const Queues& queues, const StageRecord& stage,
                   const TraversalLog* log) {
     json out = json::object();
-    const PartialStage part = queues.some_of(stage, {"rays", "merged"});
-    if (const auto rays = part.get<reference::Ray>("rays"); !rays.empty()) {
+    const PartialStage part = queues.some_of(stage, {&buffers::rays, &buffers::merged});
+    if (const auto rays = part.get(buffers::rays); !rays.empty()) {
         out["rays"] = pool.add(as_floats(rays));
     }
     // The primitive goes along as bits; the page takes it out of the same words.
-    if (const auto merged = part.get<reference::Hit>("merged"); !merged.empty()) {
+    if (const auto merged = part.get(buffers::merged); !merged.empty()) {
         out["merged"] = pool.add(as_floats(merged));
     }
     if (log == nullptr) return out;
@@ -114,27 +116,29 @@ json launch_arrays(PageArrays& pool, const Queues& queues, const StageRecord& st
         return merge_arrays(pool, queues, stage, log);
     }
     json out = json::object();
-    const auto add = [&](const char* name, const char* as) {
-        const PartialStage part = queues.some_of(stage, {name});
-        const reference::BufferView* view = part.view.find(name);
-        if (view == nullptr) return;
-        out[as] = view->type == reference::ElementType::float32
-                      ? pool.add(part.get<float>(name))
-                      : pool.add(part.get<std::uint32_t>(name));
+    const auto add = [&](const reference::BufferInfo& buffer) {
+        const PartialStage part = queues.some_of(stage, {&buffer});
+        if (part.view.find(buffer.name) == nullptr) return;
+        out[std::string(buffer.name)] = buffer.type == reference::ElementType::float32
+                                            ? pool.add(part.view.get<float>(buffer.name))
+                                            : pool.add(part.view.get<std::uint32_t>(buffer.name));
     };
     switch (stage.kind) {
         case StageKind::direct_light_rays:
-            add("shadow_rays", "shadow_rays");
-            add("potential", "potential");
+            add(buffers::shadow_rays);
+            add(buffers::potential);
             break;
         case StageKind::resolve_light:
-            add("radiance", "radiance");
+            add(buffers::radiance);
             break;
         case StageKind::scene_rays:
-            for (const char* name : {"flags", "rays", "throughput", "radiance"}) add(name, name);
+            add(buffers::flags);
+            add(buffers::rays);
+            add(buffers::throughput);
+            add(buffers::radiance);
             break;
         case StageKind::reconstruct_image:
-            add("radiance", "radiance");
+            add(buffers::radiance);
             break;
         default:
             break;

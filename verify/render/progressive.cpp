@@ -11,6 +11,8 @@
 #include "reference/numerics/pixel_sums.h"
 
 namespace scotty::verify {
+
+namespace buffers = reference::buffers;
 namespace {
 
 using reference::Image;
@@ -27,8 +29,7 @@ Image filtered(const PipelineInput& input, const Image& image) {
     StageView stage;
     stage.kind = StageKind::filter;
     stage.name = to_string(stage.kind);
-    stage.inputs = {
-        reference::buffer_view(reference::buffers::image, std::span<const Vec3>(image.pixels))};
+    stage.inputs = {reference::buffer_view(buffers::image, std::span<const Vec3>(image.pixels))};
     const auto outputs =
         emulation::Pipeline(input.scene, input.bvh, input.parameters).run_stage(stage);
     SCOTTY_ASSERT(outputs.size(), ==, 1u);
@@ -68,9 +69,9 @@ class Passes : public reference::StageObserver {
 
  private:
     void follow(const StageView& stage) {
-        const auto pixel = stage.get<std::uint32_t>("pixel");
-        const auto image = stage.get<Vec3>("image");
-        const auto deviations = stage.get<Vec3>("variance");
+        const auto pixel = stage.get(buffers::pixel);
+        const auto image = stage.get(buffers::image);
+        const auto deviations = stage.get(buffers::variance);
         const std::uint32_t last = parameters_.image_width * parameters_.image_height - 1;
         SCOTTY_ASSERT(image.size(), ==, std::size_t{last} + 1);
         // A render that ran out of memory begins again, with smaller batches.

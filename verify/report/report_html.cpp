@@ -193,7 +193,7 @@ std::string verdict_part(const Report& report, std::size_t failures) {
                           : fmt::format("{}", fmt::join(looked_at, ", ")));
     const auto& p = report.parameters;
     const std::string parameters =
-        fmt::format("{} x {} pixels, {} samples a pixel, {} bounces, {} light samples, seed {}; ",
+        fmt::format("{} x {} pixels, {} samples per pixel, {} bounces, {} light samples, seed {}; ",
                     p.image_width, p.image_height, p.spp, p.bounces, p.light_samples, p.seed);
     if (report.threads != 0) {
         out += fmt::format("<p class=\"quiet\">{}{}, {}, {:.1f} s</p>\n",

@@ -14,6 +14,8 @@
 
 namespace scotty::verify {
 
+namespace buffers = reference::buffers;
+
 using emulation::Schedule;
 using reference::BufferView;
 using reference::EarlyOut;
@@ -50,7 +52,7 @@ std::string determined_hash(const StageView& stage, const BufferView& buffer,
             return hash_of(occlusion(buffer));
         }
         // Hits of shadow rays are only handed on.
-        if (buffer.name == "shadow_hits") return {};
+        if (buffer.name == buffers::shadow_hits.name) return {};
     }
     return hash_of(canonical_bytes(buffer, regions));
 }

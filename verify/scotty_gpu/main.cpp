@@ -183,7 +183,7 @@ int trace(const TraceOptions& options) {
 
     const auto pipeline = gpu::make_pipeline(input.scene, input.bvh, input.parameters);
     const reference::PipelineParameters& p = input.parameters;
-    std::printf("%s: width %d, %d rays a block, queue levels %u, early-out %s, hit mode %s\n",
+    std::printf("%s: width %d, %d rays per block, queue levels %u, early-out %s, hit mode %s\n",
                 input.scene.name.c_str(), input.bvh.width, p.rays_per_block, p.queue_levels,
                 reference::to_string(p.early_out), reference::to_string(p.hit_mode));
     std::size_t all_rays = 0;

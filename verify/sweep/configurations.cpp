@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "reference/base/error.h"
+#include "reference/contract/parameter_table.h"
 #include "verify/sweep/covering_array.h"
 
 namespace scotty::verify {
@@ -14,6 +15,7 @@ namespace scotty::verify {
 using reference::BlockOrder;
 using reference::EarlyOut;
 using reference::HitMode;
+using reference::ParameterGroup;
 using reference::PipelineParameters;
 using reference::ShadowQuery;
 
@@ -28,12 +30,21 @@ struct Factor {
     bool asked = false;
 };
 
-template <class T, class Set>
-Factor factor(const std::vector<T>& asked, std::vector<T> usual, const Set& set) {
+template <class T>
+Factor factor(T PipelineParameters::*member, const std::vector<T>& asked, std::vector<T> usual) {
     Factor out;
     out.asked = !asked.empty();
     for (const T& value : out.asked ? asked : usual) {
-        out.values.push_back([value, set](Configuration& c) { set(c, value); });
+        out.values.push_back([=](Configuration& c) { c.parameters.*member = value; });
+    }
+    return out;
+}
+
+Factor schedules_of(const std::vector<Schedule>& asked, std::vector<Schedule> usual) {
+    Factor out;
+    out.asked = !asked.empty();
+    for (const Schedule& value : out.asked ? asked : usual) {
+        out.values.push_back([=](Configuration& c) { c.schedule = value; });
     }
     return out;
 }
@@ -46,33 +57,19 @@ std::vector<Factor> factors_of(const PipelineParameters& base, const Configurati
         using emulation::ScheduleKind;
         schedules = {{}, {ScheduleKind::linear, 0}, {ScheduleKind::shuffled, base.seed}};
     }
-    return {
-        factor<int>(filter.widths, {8, 2, 4, 16},
-                    [](Configuration& c, int v) { c.parameters.width = v; }),
-        factor<int>(filter.rays_per_block, {64, 32, 256, 1024},
-                    [](Configuration& c, int v) { c.parameters.rays_per_block = v; }),
-        factor<std::uint32_t>(
-            filter.queue_levels, {0, 2, 1, 3},
-            [](Configuration& c, std::uint32_t v) { c.parameters.queue_levels = v; }),
-        factor<EarlyOut>(filter.early_out, {EarlyOut::level, EarlyOut::off, EarlyOut::immediate},
-                         [](Configuration& c, EarlyOut v) { c.parameters.early_out = v; }),
-        factor<HitMode>(filter.hit_mode, {HitMode::buffer, HitMode::packed},
-                        [](Configuration& c, HitMode v) { c.parameters.hit_mode = v; }),
-        factor<BlockOrder>(filter.block_order, {BlockOrder::linear, BlockOrder::strided},
-                           [](Configuration& c, BlockOrder v) { c.parameters.block_order = v; }),
-        factor<ShadowQuery>(filter.shadow_query, {ShadowQuery::any, ShadowQuery::closest},
-                            [](Configuration& c, ShadowQuery v) { c.parameters.shadow_query = v; }),
-        factor<std::uint32_t>(
-            filter.hit_capacity, capacities,
-            [](Configuration& c, std::uint32_t v) { c.parameters.hit_capacity = v; }),
-        factor<std::uint32_t>(
-            filter.batch_rays, {base.batch_rays},
-            [](Configuration& c, std::uint32_t v) { c.parameters.batch_rays = v; }),
-        factor<std::uint32_t>(
-            filter.samples_per_pass, {base.samples_per_pass},
-            [](Configuration& c, std::uint32_t v) { c.parameters.samples_per_pass = v; }),
-        factor<Schedule>(filter.schedule, schedules,
-                         [](Configuration& c, Schedule v) { c.schedule = v; })};
+    using P = PipelineParameters;
+    return {factor(&P::width, filter.widths, {8, 2, 4, 16}),
+            factor(&P::rays_per_block, filter.rays_per_block, {64, 32, 256, 1024}),
+            factor(&P::queue_levels, filter.queue_levels, {0, 2, 1, 3}),
+            factor(&P::early_out, filter.early_out,
+                   {EarlyOut::level, EarlyOut::off, EarlyOut::immediate}),
+            factor(&P::hit_mode, filter.hit_mode, {HitMode::buffer, HitMode::packed}),
+            factor(&P::block_order, filter.block_order, {BlockOrder::linear, BlockOrder::strided}),
+            factor(&P::shadow_query, filter.shadow_query, {ShadowQuery::any, ShadowQuery::closest}),
+            factor(&P::hit_capacity, filter.hit_capacity, capacities),
+            factor(&P::batch_rays, filter.batch_rays, {base.batch_rays}),
+            factor(&P::samples_per_pass, filter.samples_per_pass, {base.samples_per_pass}),
+            schedules_of(filter.schedule, schedules)};
 }
 
 }  // namespace
@@ -90,34 +87,21 @@ std::string Configuration::label() const {
     const std::string levels =
         p.queue_levels == 0 ? "" : fmt::format("{} queue levels, ", p.queue_levels);
     return fmt::format(
-        "width {}, {} rays a block, {}early-out {}, {}, {}, shadow {}, {}, batches of {}", p.width,
-        p.rays_per_block, levels, to_string(p.early_out), hits, to_string(p.block_order),
+        "width {}, {} rays per block, {}early-out {}, {}, {}, shadow {}, {}, batches of {}",
+        p.width, p.rays_per_block, levels, to_string(p.early_out), hits, to_string(p.block_order),
         to_string(p.shadow_query), to_string(schedule), p.batch_rays);
 }
 
 std::string picture_options(const PipelineParameters& p) {
-    const std::string roulette = p.roulette == 0 ? "" : fmt::format(" --roulette {}", p.roulette);
-    return fmt::format(
-        "--size {}x{} --spp {} --bounces {} --light-samples {}{} --seed {} --leaf-size {}",
-        p.image_width, p.image_height, p.spp, p.bounces, p.light_samples, roulette, p.seed,
-        p.max_leaf_size);
+    return reference::options_of(p, {ParameterGroup::picture});
 }
 
 std::string pipeline_options(const PipelineParameters& p) {
-    return fmt::format(
-        "--width {} --rays-per-block {} --queue-levels {} --early-out {} --hit-mode {} "
-        "--block-order {} --shadow-query {} --hit-capacity {} --batch-rays {}",
-        p.width, p.rays_per_block, p.queue_levels, to_string(p.early_out), to_string(p.hit_mode),
-        to_string(p.block_order), to_string(p.shadow_query), p.hit_capacity, p.batch_rays);
+    return reference::options_of(p, {ParameterGroup::tree, ParameterGroup::pipeline});
 }
 
 std::string Configuration::options() const {
-    const std::string passes =
-        parameters.samples_per_pass == 0
-            ? ""
-            : fmt::format(" --samples-per-pass {}", parameters.samples_per_pass);
-    return fmt::format("{}{} --schedule {}", pipeline_options(parameters), passes,
-                       to_string(schedule));
+    return fmt::format("{} --schedule {}", pipeline_options(parameters), to_string(schedule));
 }
 
 Configuration baseline_configuration(const PipelineParameters& base) {

@@ -22,7 +22,7 @@ struct Configuration {
     Schedule schedule{};
 
     emulation::DeviceOptions device(std::size_t threads) const;
-    /// "width 8, 64 rays a block, early-out level, buffer of 8, linear, shadow any, free".
+    /// "width 8, 64 rays per block, early-out level, buffer of 8, linear, shadow any, free".
     std::string label() const;
     /// The options that select exactly this one: pipeline_options() and the schedule.
     std::string options() const;

@@ -31,6 +31,8 @@
 
 namespace scotty::verify {
 
+namespace buffers = reference::buffers;
+
 using reference::PipelineParameters;
 using reference::StageView;
 
@@ -366,17 +368,17 @@ class SceneVerification {
             ran ? recording.filtered : recording.reconstructed;
         if (asked != ran) {
             failure.invariant = invariant::kFilter;
-            failure.field = "filtered";
+            failure.field = buffers::filtered.name;
             failure.expected = asked ? "a filtered image" : "none";
             failure.found = ran ? "a filtered image" : "none";
             failure.sentence = fmt::format(
-                "with {} samples a pixel the {} filter {} (it does below {})", p.spp,
+                "with {} samples per pixel the {} filter {} (it does below {})", p.spp,
                 reference::to_string(p.filter), ran ? "ran" : "did not run", p.filter_threshold);
         } else if (shown.size() != recording.image.pixels.size() ||
                    !std::equal(shown.begin(), shown.end(), recording.image.pixels.begin(),
                                [](const auto& a, const auto& b) { return same_bits(a, b); })) {
             failure.invariant = invariant::kPixels;
-            failure.field = "image";
+            failure.field = buffers::image.name;
             failure.sentence = "the image that is handed out is not what the last launch has made";
         } else {
             return;

@@ -120,7 +120,7 @@ class Against : public StageObserver {
 
 void check_against_emulator(const std::string& scene, const PipelineParameters& p,
                             const SimtOptions& options = {}) {
-    INFO(scene << ", width " << p.width << ", " << p.rays_per_block << " rays a block, early-out "
+    INFO(scene << ", width " << p.width << ", " << p.rays_per_block << " rays per block, early-out "
                << to_string(p.early_out) << ", " << to_string(p.hit_mode) << ", shadow "
                << to_string(p.shadow_query) << ", " << to_string(p.block_order) << ", "
                << p.queue_levels << " queue levels");
@@ -136,8 +136,9 @@ void check_against_emulator(const std::string& scene, const PipelineParameters& 
     CHECK(differing_pixels(image, expected) == 0);
 }
 
-TEST_CASE("pipeline: every stage is the emulator's, for widths 2 to 16 and 32 to 1024 rays a block",
-          "[simt][pipeline]") {
+TEST_CASE(
+    "pipeline: every stage is the emulator's, for widths 2 to 16 and 32 to 1024 rays per block",
+    "[simt][pipeline]") {
     PipelineParameters p = small_parameters();
     const auto order = every_order();
     std::size_t row = 0;

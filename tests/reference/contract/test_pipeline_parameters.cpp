@@ -146,12 +146,12 @@ TEST_CASE("stages: a buffer is found by name and read as its type", "[reference]
     const std::array<std::uint32_t, 3> after{4, 5, 6};
     StageView stage;
     stage.name = "level0/scan_counts";
-    stage.inputs.push_back(buffer_view<std::uint32_t>("counts", counts, "rays a node"));
+    stage.inputs.push_back(buffer_view<std::uint32_t>("counts", counts, "rays per node"));
     CHECK(stage.find("nothing") == nullptr);
     CHECK(stage.get<std::uint32_t>("nothing").empty());
     CHECK(stage.get<std::uint32_t>("counts")[2] == 3);
     CHECK_THROWS_WITH(stage.get<std::uint64_t>("counts"), Contains("counts of level0/scan_counts"));
-    stage.outputs.push_back(buffer_view<std::uint32_t>("counts", after, "rays a node"));
+    stage.outputs.push_back(buffer_view<std::uint32_t>("counts", after, "rays per node"));
     CHECK(stage.get<std::uint32_t>("counts")[2] == 6);  // what the stage made of it
 }
 

@@ -16,43 +16,27 @@ using namespace scotty::reference::test;
 
 namespace {
 
-template <int Width>
-struct Access {
-    WideBvhView<Width> bvh;
-
-    template <class Record>
-    Record load(const Record* record) const {
-        return *record;
-    }
-    const WideNode<Width>* node(std::uint32_t ref) const { return bvh.inner + ref; }
-    std::uint32_t child_ref(const WideNode<Width>* node, std::uint32_t child) const {
-        return bvh.node_refs[node->child[child]];
-    }
-    Leaf leaf(std::uint32_t ref) const { return bvh.leaves[ref_index(ref)]; }
-    const LeafTriangle* triangles() const { return bvh.triangles; }
-};
-
 /// From the root, so that the subtree is all of the scene.
 template <int Width>
 void check_from_the_root(const Scene& scene, const std::vector<Ray>& rays) {
     const WideBvh bvh = build_wide_bvh(scene, {Width, 2, 1, 1});
     REQUIRE(bvh.level_count() == 1);
-    const Access<Width> access{view_of<Width>(bvh)};
+    const WideBvhView<Width> view = view_of<Width>(bvh);
     std::vector<Hit> exact(rays.size());
     brute_force_closest(scene, rays, exact);
     std::size_t hits = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        const HitCandidate found = closest_in_subtree<Width>(access, 0, rays[i], kInfinity, false);
+        const HitCandidate found = closest_in_subtree(view, 0, rays[i], kInfinity, false).best;
         CHECK(found.primitive == exact[i].primitive);
         CHECK(found.t == exact[i].t);
-        const HitCandidate any = closest_in_subtree<Width>(access, 0, rays[i], kInfinity, true);
+        const HitCandidate any = closest_in_subtree(view, 0, rays[i], kInfinity, true).best;
         CHECK((any.primitive != kNone) == is_hit(exact[i]));
         CHECK(any.t >= found.t);
         if (!is_hit(exact[i])) continue;
         ++hits;
-        CHECK(closest_in_subtree<Width>(access, 0, rays[i], exact[i].t, false).t == exact[i].t);
+        CHECK(closest_in_subtree(view, 0, rays[i], exact[i].t, false).best.t == exact[i].t);
         const float nearer = std::nextafter(exact[i].t, 0.0f);
-        CHECK(closest_in_subtree<Width>(access, 0, rays[i], nearer, false).primitive == kNone);
+        CHECK(closest_in_subtree(view, 0, rays[i], nearer, false).best.primitive == kNone);
     }
     CHECK(hits > 20);
 }
@@ -73,8 +57,8 @@ TEST_CASE("subtrees: a ray from so far away that its slabs overflow enters no mi
           "[reference][subtrees]") {
     const Scene scene = soup(5, 0.3f, 3);  // three slots of eight are empty
     const WideBvh bvh = build_wide_bvh(scene, {8, 1, 1, 1});
-    const Access<8> access{view_of<8>(bvh)};
-    REQUIRE(access.node(0)->child[7] == kNone);
+    const WideBvhView<8> view = view_of<8>(bvh);
+    REQUIRE(view.inner[0].child[7] == kNone);
     std::vector<Ray> rays;
     for (const float sign : {-1.0f, 1.0f}) {
         rays.push_back({Vec3(sign * 1.0e26f), 0.0f, Vec3(-sign * 1.0e-15f), kInfinity});
@@ -83,7 +67,7 @@ TEST_CASE("subtrees: a ray from so far away that its slabs overflow enters no mi
     std::vector<Hit> exact(rays.size());
     brute_force_closest(scene, rays, exact);
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        CHECK(closest_in_subtree<8>(access, 0, rays[i], kInfinity, false).primitive ==
+        CHECK(closest_in_subtree(view, 0, rays[i], kInfinity, false).best.primitive ==
               exact[i].primitive);
     }
 }

@@ -212,7 +212,7 @@ TEST_CASE("path tracer: the state of another run or half a file is refused by na
                Contains("state: expected 'bounces 1', found 'bounces 2'"));
     other = p;
     other.spp = 3;
-    CHECK_THAT(message_of(wall, other, options), Contains("holds 4 samples a pixel"));
+    CHECK_THAT(message_of(wall, other, options), Contains("holds 4 samples per pixel"));
     CHECK_THAT(message_of(glowing_box(0.5f, 1.0f), p, options), Contains("expected 'scene "));
     const auto size = fs::file_size(options.state);
     std::fstream file(options.state, std::ios::binary | std::ios::in | std::ios::out);

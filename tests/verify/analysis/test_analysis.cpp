@@ -30,7 +30,7 @@ TEST_CASE("analysis: the slope of a power law is its exponent", "[verify][analys
     CHECK(loglog_slope(power_law(1.0)).value() == Approx(1.0));
     CHECK(loglog_slope(power_law(0.7925)).value() == Approx(0.7925));
     CHECK(loglog_slope(power_law(-2.0)).value() == Approx(-2.0));
-    // What the report says of its own: four times the rays, three times the time.
+    // What the paper says of its own: four times the rays, three times the time.
     CHECK(loglog_slope({made_point(1, 1), made_point(4, 3)}).value() == Approx(0.79).epsilon(0.01));
 }
 
@@ -125,7 +125,7 @@ TEST_CASE("analysis: values are drawn relative to what the panel says", "[verify
 
 TEST_CASE("analysis: numbers of different places stand in their own rows", "[verify][analysis]") {
     const auto rows = numbers(analysis_named("", "rays-per-block"), 0, {made_run("one")});
-    REQUIRE(rows.size() == 6);  // 32, 64 and 128, and the report's 256 and 512
+    REQUIRE(rows.size() == 6);  // 32, 64 and 128, and the paper's 256 and 512
     CHECK(rows[0][1] == "one: ms a render");
     CHECK(rows[1][0] == "32");
     CHECK_THAT(rows[1][1], Contains("6.2 (5.58 to 6.82)"));
@@ -138,9 +138,9 @@ TEST_CASE("analysis: what is seen follows from the numbers", "[verify][analysis]
     AnalysisRun run = made_run("here");
     const auto found = [&](const std::string& name) { return finding(run, result_of(run, name)); };
     result_of(run, "rays").series[0].points = power_law(0.79);
-    CHECK_THAT(found("rays"), Contains("here: a slope of 0.79") && Contains("as in the report"));
+    CHECK_THAT(found("rays"), Contains("here: a slope of 0.79") && Contains("as in the paper"));
     result_of(run, "rays").series[0].points = power_law(0.99);
-    CHECK_THAT(found("rays"), Contains("a slope of 0.99") && Contains("where the report has"));
+    CHECK_THAT(found("rays"), Contains("a slope of 0.99") && Contains("where the paper has"));
 
     auto& widths = result_of(run, "width").series[0].points;
     widths = {made_point(2, 20), made_point(4, 10), made_point(8, 30), made_point(16, 40)};
@@ -151,16 +151,15 @@ TEST_CASE("analysis: what is seen follows from the numbers", "[verify][analysis]
     auto& strided = result_of(run, "strided").series[1].points;
     CHECK_THAT(found("strided"), Contains("1.00 times") && Contains("next to nothing"));
     for (AnalysisPoint& point : strided) point.y *= 0.75;
-    CHECK_THAT(found("strided"), Contains("0.75 times") && Contains("as in the report"));
+    CHECK_THAT(found("strided"), Contains("0.75 times") && Contains("as in the paper"));
     for (AnalysisPoint& point : strided) point.y *= 2.0;
     CHECK_THAT(found("strided"), Contains("1.50 times") && Contains("cost time"));
 
     auto& queries = result_of(run, "bounces").series[0].points;
     queries[2].y = queries[0].y;
-    CHECK_THAT(found("bounces"), Contains("1.0 times that") && Contains("as in the report"));
+    CHECK_THAT(found("bounces"), Contains("1.0 times that") && Contains("as in the paper"));
     queries[2].y = 3.0 * queries[0].y;
-    CHECK_THAT(found("bounces"),
-               Contains("3.0 times that") && Contains("the report has scattered"));
+    CHECK_THAT(found("bounces"), Contains("3.0 times that") && Contains("the paper has scattered"));
 
     result_of(run, "limited-blocks").series.pop_back();
     CHECK_THROWS_WITH(found("limited-blocks"), Contains("no series 'a block for every slot'"));

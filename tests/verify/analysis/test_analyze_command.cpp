@@ -46,7 +46,7 @@ TEST_CASE("analyze: all analyses are carried out, and each has what its figure n
     const AnalysisPoint& primary = run.find("bounces")->named(0, "").points[0];
     CHECK(primary.label == "primary");
     CHECK(primary.column("rays") == 8.0 * 6 * 2);
-    CHECK(primary.column("entries a ray") > 1.0);  // the root's, and some below
+    CHECK(primary.column("entries per ray") > 1.0);  // the root's, and some below
 }
 
 TEST_CASE("analyze: only what was asked for, and what is finished is kept at a stop",
@@ -154,7 +154,7 @@ TEST_CASE("analyze: the command writes page, figures and JSON, and draws them ag
     REQUIRE(first.exit_code == kExitPassed);
     CHECK_THAT(first.out, Contains("Tree width (width)") && Contains("kernels, ms"));
     const std::string page = slurp(folder / "a/analysis.html");
-    CHECK_THAT(page, StartsWith("<!doctype html>") && Contains("report, GTX 1080 Ti"));
+    CHECK_THAT(page, StartsWith("<!doctype html>") && Contains("paper, GTX 1080 Ti"));
     CHECK_THAT(slurp(folder / "a/strided.svg"), StartsWith("<svg"));
     CHECK_FALSE(std::filesystem::exists(folder / "a/rays.svg"));
 

@@ -5,6 +5,7 @@
 
 #include "reference/base/error.h"
 #include "scenes/scenes.h"
+#include "tests/small_parameters.h"
 #include "tests/verify/command_tools.h"
 #include "verify/bench/bench.h"
 #include "verify/bench/bench_check.h"
@@ -19,10 +20,7 @@ using Catch::Matchers::Contains;
 
 TEST_CASE("bench: both tracers get the living rays of every traversal", "[verify][bench]") {
     verify::BenchSettings settings;
-    settings.parameters.image_width = 16;
-    settings.parameters.image_height = 8;
-    settings.parameters.spp = 1;
-    settings.parameters.bounces = 1;
+    settings.parameters = scotty::test::small_picture(16, 8, 1, 1, 2);
     settings.repeats = 2;
     settings.warm_ups = 0;
     const verify::BenchReport report =
@@ -63,9 +61,7 @@ TEST_CASE("bench: both tracers get the living rays of every traversal", "[verify
 
 TEST_CASE("bench: Embree alone needs no back end beside it", "[verify][bench]") {
     verify::BenchSettings settings;
-    settings.parameters.image_width = 16;
-    settings.parameters.image_height = 8;
-    settings.parameters.spp = 1;
+    settings.parameters = scotty::test::small_picture(16, 8, 1, 2, 2);
     settings.warm_ups = 0;
     settings.repeats = 1;
     const verify::EmbreeBenchReport report = bench_embree(scenes::load_scene("cornell"), settings);
@@ -161,9 +157,7 @@ TEST_CASE("bench: every one says machine, warm-ups, repeats and spread", "[verif
 TEST_CASE("bench: the CUDA text on the CPU is timed beside the emulator, stage by stage",
           "[verify][bench]") {
     verify::BenchSettings settings;
-    settings.parameters.image_width = 16;
-    settings.parameters.image_height = 8;
-    settings.parameters.spp = 1;
+    settings.parameters = scotty::test::small_picture(16, 8, 1, 2, 2);
     settings.repeats = 2;
     const verify::SimtBenchReport report = bench_simt(scenes::load_scene("cornell"), settings);
     CHECK(report.render.emulator_seconds > 0.0);
@@ -181,9 +175,7 @@ TEST_CASE("bench: the CUDA text on the CPU is timed beside the emulator, stage b
 
 TEST_CASE("bench: checking that costs more than its limit fails", "[verify][bench]") {
     verify::BenchSettings settings;
-    settings.parameters.image_width = 16;
-    settings.parameters.image_height = 8;
-    settings.parameters.spp = 1;
+    settings.parameters = scotty::test::small_picture(16, 8, 1, 2, 2);
     settings.repeats = 1;
     const reference::Scene scene = scenes::load_scene("cornell");
     const auto with = [&](const std::string& emulator, const std::string& simt) {

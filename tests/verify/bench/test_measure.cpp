@@ -3,6 +3,7 @@
 
 #include "reference/base/error.h"
 #include "scenes/scenes.h"
+#include "tests/small_parameters.h"
 #include "verify/backends/backend.h"
 #include "verify/base/same_bits.h"
 #include "verify/bench/measure.h"
@@ -15,11 +16,7 @@ using Catch::Matchers::Contains;
 verify::RenderSettings tiny(const std::string& backend) {
     verify::RenderSettings settings;
     settings.backend = backend;
-    settings.parameters.image_width = 9;
-    settings.parameters.image_height = 5;
-    settings.parameters.spp = 2;
-    settings.parameters.bounces = 1;
-    settings.parameters.light_samples = 1;
+    settings.parameters = scotty::test::small_picture(9, 5, 2);
     settings.threads = 1;
     settings.warm_ups = 1;
     settings.repeats = 3;

@@ -4,6 +4,7 @@
 #include "emulation/host/pipeline.h"
 #include "reference/base/error.h"
 #include "scenes/scenes.h"
+#include "tests/small_parameters.h"
 #include "tests/verify/stage_copies.h"
 #include "verify/bench/bench_occupancy.h"
 #include "verify/bench/measure.h"
@@ -201,12 +202,7 @@ TEST_CASE("occupancy: a traversal that is run again counts once", "[verify][benc
 TEST_CASE("occupancy: a render's counts are those of its launches, on every tier",
           "[verify][bench]") {
     const reference::Scene scene = scenes::load_scene("spheres");
-    reference::PipelineParameters p;
-    p.image_width = 24;
-    p.image_height = 16;
-    p.spp = 1;
-    p.bounces = 1;
-    p.light_samples = 1;
+    reference::PipelineParameters p = scotty::test::small_picture(24, 16);
     p.width = 4;
     p.hit_mode = reference::HitMode::packed;
     const reference::WideBvh bvh = build_wide_bvh(scene, bvh_parameters(p, 1));

@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 
+#include "tests/small_parameters.h"
 #include "tests/verify/spheres_run.h"
 #include "verify/capture/finite.h"
 
@@ -23,12 +24,7 @@ using reference::StageInfo;
 using reference::StageView;
 
 PipelineParameters small(EarlyOut early_out, HitMode hit_mode, std::uint32_t queue_levels) {
-    PipelineParameters p;
-    p.image_width = 9;
-    p.image_height = 7;
-    p.spp = 2;
-    p.bounces = 1;
-    p.light_samples = 2;
+    PipelineParameters p = scotty::test::small_picture(9, 7, 2, 1, 2);
     p.width = 4;
     p.batch_rays = 50;  // several batches
     p.early_out = early_out;

@@ -6,6 +6,7 @@
 #include "reference/contract/wide_bvh.h"
 #include "reference/truth/tracers.h"
 #include "scenes/scenes.h"
+#include "tests/small_parameters.h"
 #include "verify/capture/recording.h"
 #include "verify/oracles/hit_check.h"
 
@@ -19,12 +20,7 @@ using verify::HitCheckResult;
 using verify::Recording;
 
 PipelineParameters tiny() {
-    PipelineParameters p;
-    p.image_width = 17;
-    p.image_height = 9;
-    p.spp = 2;
-    p.bounces = 1;
-    p.light_samples = 1;
+    PipelineParameters p = scotty::test::small_picture(17, 9, 2);
     p.early_out = EarlyOut::off;
     p.shadow_query = ShadowQuery::closest;
     return p;

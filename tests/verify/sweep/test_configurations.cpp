@@ -97,9 +97,9 @@ TEST_CASE("configurations: with every parameter given there is exactly one",
     const auto all = configurations(PipelineParameters{}, filter);
     REQUIRE(all.size() == 1);
     CHECK(all[0].options() ==
-          "--width 4 --rays-per-block 96 --queue-levels 3 --early-out immediate --hit-mode buffer "
-          "--block-order strided --shadow-query any --hit-capacity 3 --batch-rays 1001 --schedule "
-          "reversed");
+          "--width 4 --rays-per-block 96 --leaf-size 4 --queue-levels 3 --early-out immediate "
+          "--block-order strided --hit-mode buffer --shadow-query any --hit-capacity 3 "
+          "--batch-rays 1001 --samples-per-pass 0 --schedule reversed");
     CHECK(all[0].device(5).threads == 1);
     CHECK(all[0].device(5).schedule == scotty::emulation::ScheduleKind::reversed);
 }

@@ -12,6 +12,7 @@
 #include "reference/base/error.h"
 #include "reference/base/write_file.h"
 #include "scenes/scenes.h"
+#include "tests/small_parameters.h"
 #include "verify/report/report.h"
 #include "verify/sweep/verify.h"
 
@@ -26,11 +27,7 @@ using verify::VerifySettings;
 
 VerifySettings quick() {
     VerifySettings settings;
-    settings.parameters.image_width = 13;
-    settings.parameters.image_height = 7;
-    settings.parameters.spp = 1;
-    settings.parameters.bounces = 1;
-    settings.parameters.light_samples = 1;
+    settings.parameters = scotty::test::small_picture(13, 7);
     settings.filter.widths = {4};
     settings.filter.early_out = {EarlyOut::level};
     settings.filter.schedule = {verify::Schedule{}};

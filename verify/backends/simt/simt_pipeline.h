@@ -14,8 +14,8 @@ namespace scotty::simt {
 
 using emulation::simt::SimtOptions;
 
-/// Whether this program checks every load and store of the kernels, of both tiers
-/// (emulation/check/): one that was built to (scotty-checked, scotty-mutants) does, until told
+/// Whether this program checks every load and store of the kernels, of the emulator and of the CUDA
+/// text (emulation/check/): one that was built to (scotty-checked, scotty-mutants) does, until told
 /// not to.
 bool checks_memory();
 void watch_memory(bool on);

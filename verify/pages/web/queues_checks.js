@@ -71,7 +71,7 @@ class Bar {
     const p = page.parameters;
     const run = ({ path, backend }) => `${path} (${backend})`;
     at.about.textContent = `${page.runs.b ? `A is ${run(page.a)}, B is ${run(page.b)}` : run(page.a)}. ${p.image_width} x ${p.image_height} pixels, ${p.spp} sample${p.spp === 1 ? '' : 's'}, `
-      + `${p.width} children a node, ${p.rays_per_block} rays a block, early-out ${p.early_out}, hits ${p.hit_mode}. ${page.tree.nodes} nodes in ${page.tree.levels} levels.`
+      + `${p.width} children a node, ${p.rays_per_block} rays per block, early-out ${p.early_out}, hits ${p.hit_mode}. ${page.tree.nodes} nodes in ${page.tree.levels} levels.`
       + (page.only_in_b > 0 ? ` ${page.only_in_b} launches are in B only.` : '');
   }
   draw() {
