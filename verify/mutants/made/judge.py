@@ -2,6 +2,7 @@
 import re
 
 import runs
+from scores import DETECTED
 
 
 def step_of(fault, steps, folder):
@@ -25,19 +26,27 @@ def check_of(output):
 
 
 def wants_tests(result):
-    return result["verdict"] in ("passed", "not-executed") and "suite" not in result
+    return result["verdict"] not in DETECTED and "suite" not in result
+
+
+def is_done(result, steps, tests):
+    if result["verdict"] in DETECTED:
+        return True
+    tier = steps["simt" if result["path"].startswith("gpu/") else "emulator"]
+    return all(step.name in result["tried"] for step in tier) and not (tests and wants_tests(result))
 
 
 def judge(fault, steps, tests, folder, before):
-    """`before`: what a former call found, without tests."""
+    """`before`: what a former call found, with fewer steps or without tests."""
     tier = steps["simt" if fault["path"].startswith("gpu/") else "emulator"]
     keep = ("key", "path", "line", "function", "operator", "original", "text")
-    if before is None:
-        kind, name, output, seconds = step_of(fault, tier, folder)
-        result = {k: fault[k] for k in keep} | {"verdict": kind, "verdict_by": name, "check": check_of(output),
-                                                "seconds": round(seconds, 2)}
-    else:
-        result = dict(before)
+    result = dict(before) if before else {k: fault[k] for k in keep} | {"verdict": "not-executed", "tried": [], "seconds": 0}
+    rest = [step for step in tier if step.name not in result["tried"]]
+    if result["verdict"] not in DETECTED and rest:
+        kind, name, output, seconds = step_of(fault, rest, folder)
+        if kind != "not-executed":
+            result |= {"verdict": kind, "verdict_by": name, "check": check_of(output)}
+        result |= {"tried": result["tried"] + [s.name for s in rest], "seconds": round(result["seconds"] + seconds, 2)}
     if tests and wants_tests(result):
         covering = [t for t in tests if fault["number"] in t.executes]
         kind, name, output, seconds = step_of(fault, list(runs.joined(covering)), folder)
@@ -47,6 +56,6 @@ def judge(fault, steps, tests, folder, before):
 
 def sentence(result):
     where = f"{result['path']}:{result['line']} {result['operator']}"
-    verdict = result["verdict"] + (f" ({result['verdict_by']} {result['check']})" if result["verdict_by"] else "")
+    verdict = result["verdict"] + (f" ({result['verdict_by']} {result['check']})" if result.get("verdict_by") else "")
     suite = f", tests: {result['suite']} {result.get('test', '')}" if "suite" in result else ""
     return f"{where}: {verdict}{suite}"

@@ -110,7 +110,9 @@ def options_of(words):
     parser.add_argument("--shard", default="1/1", help="I/N: every N-th of the sample, from the I-th")
     parser.add_argument("--json", help="write totals and results to this file; - is standard output")
     parser.add_argument("--badge", help="write a badge's JSON")
+    parser.add_argument("--steps", type=int, default=9, help="only so many verdicts of a fault, cheap ones first; go on later")
     parser.add_argument("--no-tests", action="store_true", help="verification only, no unit tests")
+    parser.add_argument("--no-build", action="store_true", help="take the copy as it is, however the sources have changed")
     parser.add_argument("--only-score", action="store_true", help="run nothing: scores of what has been judged")
     parser.add_argument("--folder", default=os.path.join(TOP, "build/made"))
     parser.add_argument("--build", default=os.path.join(TOP, "build/release"), help="a configured build folder")
@@ -131,10 +133,13 @@ def sampled(options, faults):
 def judge_all(options, copy, chosen, results_path):
     """Appends a line to the results for each of the chosen that has none yet."""
     scotty = os.path.join(copy.build, "bin/scotty")
-    steps = {tier: baseline(options, copy, tier, of) for tier, of in runs.verdict_steps(scotty).items()}
+    steps = {}
+    for tier, of in runs.verdict_steps(scotty).items():
+        kept = of[:options.steps]
+        steps[tier] = [step for one in kept for step in baseline(options, copy, "step-" + one.name, [one])]
     tests = [] if options.no_tests else baseline(options, copy, "tests", list(runs.test_steps(copy.build)))
     done = {r["key"]: r for r in scores.load_results(results_path)}
-    rest = [f for f in chosen if f["key"] not in done or (tests and judge.wants_tests(done[f["key"]]))]
+    rest = [f for f in chosen if f["key"] not in done or not judge.is_done(done[f["key"]], steps, tests)]
     say(f"{len(rest)} of {len(chosen)} to be judged")
     with ThreadPoolExecutor(options.jobs) as pool:
         waiting = [pool.submit(judge.judge, f, steps, tests, copy.source, done.get(f["key"])) for f in rest]
@@ -149,7 +154,8 @@ def main():
     options = options_of(sys.argv[1:])
     os.makedirs(options.folder, exist_ok=True)
     results_path = os.path.join(options.folder, "results.jsonl")
-    if options.only_score:
+    if options.only_score or options.no_build:
+        copy = tree.Tree(TOP, options.folder)
         state = listing.load(os.path.join(options.folder, "planted.json"))
     else:
         copy, state = planted(options, PROGRAMS + ([] if options.no_tests else TESTS))

@@ -294,6 +294,8 @@ class Walk:
             bodies = children[1:] if kind == K.IF_STMT else children[-1:]
             for child in bodies:
                 self.statement(child)
+            if children and children[0].kind == K.VAR_DECL:
+                conditions = []  # a variable that is its own condition
             if conditions and "constexpr" not in self.text(cursor.extent.start.offset, conditions[0].extent.start.offset):
                 text = self.text_of(conditions[0])
                 pairs = list(operators.condition(text))

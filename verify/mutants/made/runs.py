@@ -81,9 +81,11 @@ def load_steps(path):
 def verdict_steps(scotty):
     """What judges a fault, cheap first; the text of gpu/ by runs of its own."""
     common = [scotty, "verify", "--fail-fast"]
-    return {"emulator": [Step("quick", common + ["--quick"]), Step("default", common)],
-            "simt": [Step("simt-quick", common + ["--quick", "--backend", "simt"]),
-                     Step("simt-check", common + ["--quick", "--backend", "simt", "--check", "cornell", "veil"])]}
+    simt = common + ["--quick", "--backend", "simt"]
+    return {"emulator": [Step("quick", common + ["--quick"]), Step("golden", common + ["--only-golden"]),
+                         Step("default", common)],
+            "simt": [Step("simt-two-scenes", simt + ["cornell", "veil"]), Step("simt-check", simt + ["--check", "cornell", "veil"]),
+                     Step("simt-quick", simt)]}
 
 
 def test_steps(build):
