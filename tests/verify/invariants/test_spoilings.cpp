@@ -154,7 +154,7 @@ Seen seen_by(SpheresRun& run, const Place& place, const Spoiling& spoiling) {
 }
 
 PipelineParameters parameters(EarlyOut early_out, HitMode hit_mode, std::uint32_t queue_levels) {
-    PipelineParameters p = test::small_parameters();
+    PipelineParameters p = verify::test::small_parameters();
     p.image_width = 3;
     p.image_height = 2;
     p.width = 16;
