@@ -155,6 +155,18 @@ class Project(unittest.TestCase):
         self.assertEqual(emit.at_error(text, ranges, 1, 2), [])
 
 
+class Runs(unittest.TestCase):
+    def test_outcomes_are_told_apart(self):
+        def outcome(script):
+            return runs.run(["bash", "-c", script], "/tmp", 1).kind
+
+        self.assertEqual(outcome("exit 0"), "passed")
+        self.assertEqual(outcome("exit 1"), "failed")
+        self.assertEqual(outcome("exit 70"), "crashed")
+        self.assertEqual(outcome("kill -SEGV $$"), "crashed")
+        self.assertEqual(outcome("while :; do :; done"), "timed-out")
+
+
 class Scores(unittest.TestCase):
     def test_crashes_and_equivalents_are_counted_apart(self):
         def result(key, verdict, path="gpu/a.h", **more):

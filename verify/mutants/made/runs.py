@@ -1,6 +1,7 @@
 """Runs of programs that have faults: which of them execute a fault, and what they say with it switched on."""
 import json
 import os
+import resource
 import signal
 import subprocess
 import tempfile
@@ -19,7 +20,7 @@ class Outcome:
 
 
 def run(command, folder, limit, fault=0, seen=None):
-    """One process and its children. Fault 0: none."""
+    """One process and its children, for so many seconds of processor time: a busy machine is no fault. Fault 0: none."""
     environment = dict(os.environ)
     for name, value in (("SCOTTY_MADE", str(fault) if fault else None), ("SCOTTY_MADE_SEEN", seen)):
         environment.pop(name, None)
@@ -28,9 +29,10 @@ def run(command, folder, limit, fault=0, seen=None):
     start = time.monotonic()
     with tempfile.TemporaryFile() as output:
         process = subprocess.Popen(command, cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=output,
-                                   stderr=subprocess.STDOUT, start_new_session=True)
+                                   stderr=subprocess.STDOUT, start_new_session=True,
+                                   preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (int(limit) + 1, int(limit) + 9)))
         try:
-            code = process.wait(limit)
+            code = process.wait(20 * limit)  # or it waits for something that never comes
         except subprocess.TimeoutExpired:
             code = None
         try:  # what it started too
@@ -41,7 +43,7 @@ def run(command, folder, limit, fault=0, seen=None):
         output.seek(0, os.SEEK_END)
         output.seek(max(0, output.tell() - 200000))
         text = output.read().decode(errors="replace")
-    kind = {None: "timed-out", 0: "passed", 1: "failed"}.get(code, "crashed")
+    kind = {None: "timed-out", -signal.SIGXCPU: "timed-out", 0: "passed", 1: "failed"}.get(code, "crashed")
     return Outcome(kind, time.monotonic() - start, text)
 
 
@@ -54,6 +56,7 @@ class Step:
     seconds: float = 0.0
 
     def limit(self):
+        """Seconds of processor time; the time of a run without faults was the clock's, on few cores."""
         return 20 + 8 * self.seconds
 
 
