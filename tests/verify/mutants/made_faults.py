@@ -170,7 +170,8 @@ class Runs(unittest.TestCase):
 class Scores(unittest.TestCase):
     def test_crashes_and_equivalents_are_counted_apart(self):
         def result(key, verdict, path="gpu/a.h", **more):
-            return {"key": key, "verdict": verdict, "verdict_by": "quick", "path": path, "operator": "constant", **more}
+            return {"key": key, "verdict": verdict, "verdict_by": "quick", "path": path, "operator": "constant",
+                    "tried": ["quick", "default"], **more}
 
         results = [result("a", "failed"), result("b", "crashed"), result("c", "passed", suite="failed"),
                    result("d", "not-executed", suite="passed"), result("e", "failed", path="scenes/b.cpp"),
@@ -180,7 +181,18 @@ class Scores(unittest.TestCase):
         self.assertEqual((made["verdict_score_adjusted"], made["suite_score"], made["suite_score_adjusted"]), (0.5, 0.8, 1.0))
         self.assertEqual(made["folders"]["scenes"]["verdict_score"], 1.0)
         self.assertEqual(made["emulation+gpu+reference"]["run"], 4)
-        self.assertEqual(made["neutral"], {"run": 1, "false_alarms": 0})
+        self.assertEqual(made["neutral"], {"run": 1, "not_executed": 0, "false_alarms": 0})
+
+    def test_a_score_is_not_stated_before_all_verdicts_are_in(self):
+        result = {"key": "a", "path": "gpu/a.h", "operator": "constant", "verdict": "passed", "tried": ["simt-two-scenes"]}
+        made = scores.scores([result], {})
+        self.assertEqual((made["verdicts_pending"], made["verdict_score"], made["quick_verdict_score"]), (1, None, 0.0))
+        self.assertEqual(scores.badge(made)["message"], "not measured")
+
+    def test_a_neutral_edit_that_is_seen_is_a_false_alarm(self):
+        result = {"key": "a", "path": "gpu/a.h", "operator": "neutral", "verdict": "crashed", "verdict_by": "quick", "tried": []}
+        unseen = result | {"verdict": "not-executed"}
+        self.assertEqual(scores.scores([result, unseen], {})["neutral"], {"run": 1, "not_executed": 1, "false_alarms": 1})
 
 
 if __name__ == "__main__":

@@ -5,6 +5,8 @@ from collections import Counter
 
 CAUGHT = {"failed"}
 DETECTED = {"failed", "crashed", "timed-out"}
+FIRST_STEPS = {"quick", "simt-two-scenes"}
+LAST_STEPS = {"default", "simt-quick"}  # of runs.verdict_steps: with one of them a verdict is whole
 
 
 def load_results(path):
@@ -26,23 +28,34 @@ def share(part, whole):
     return round(part / whole, 4) if whole else None
 
 
+def is_pending(result):
+    """Only cheap verdicts were asked so far, and they passed."""
+    return result["verdict"] not in DETECTED and not LAST_STEPS & set(result["tried"])
+
+
 def score_of(results, equivalents):
-    """`verdict_score`: verify says FAILED; `..._detected` counts crashes and time-outs too. `adjusted` is without the
-    equivalents. Suite scores are of the faults that the tests were run for."""
+    """`verdict_score`: verify says FAILED; `..._detected` counts crashes and time-outs too; null while verdicts are pending.
+    `quick_...`: the first, cheapest run alone. `adjusted` is without the equivalents. Suite scores are of the faults that
+    the tests were run for."""
     kept = [r for r in results if r["key"] not in equivalents]
-    totals = {"run": len(results), "equivalent": len(results) - len(kept)}
+    pending = sum(map(is_pending, results))
+    totals = {"run": len(results), "equivalent": len(results) - len(kept), "verdicts_pending": pending}
 
     def both(name, of, hit):
+        if pending and name in ("verdict_score", "verdict_detected"):
+            totals[name] = totals[name + "_adjusted"] = None
+            return
         totals[name] = share(sum(hit(r) for r in results if of(r)), sum(1 for r in results if of(r)))
         totals[name + "_adjusted"] = share(sum(hit(r) for r in kept if of(r)), sum(1 for r in kept if of(r)))
 
     def quick(r):
-        return r["verdict"] == "failed" and r.get("verdict_by") in ("quick", "simt-two-scenes")
+        return r["verdict"] == "failed" and r.get("verdict_by") in FIRST_STEPS
 
     def everything(r):
         return True
 
     both("quick_verdict_score", everything, quick)
+    both("quick_verdict_detected", everything, lambda r: r["verdict"] in DETECTED and r["verdict_by"] in FIRST_STEPS)
     both("verdict_score", everything, lambda r: r["verdict"] in CAUGHT)
     both("verdict_detected", everything, lambda r: r["verdict"] in DETECTED)
 
@@ -64,13 +77,14 @@ def scores(results, equivalents):
                        for folder in sorted({r["path"].split("/")[0] for r in real})}
     under_test = [r for r in real if r["path"].split("/")[0] in ("emulation", "gpu", "reference")]
     made["emulation+gpu+reference"] = score_of(under_test, equivalents)
-    alarms = [r for r in neutral if r["verdict"] != "passed" or r.get("suite", "passed") != "passed"]
-    made["neutral"] = {"run": len(neutral), "false_alarms": len(alarms)}
+    ran = [r for r in neutral if (r["verdict"], r.get("suite", "not-executed")) != ("not-executed", "not-executed")]
+    alarms = [r for r in ran if {r["verdict"], r.get("suite")} & DETECTED]
+    made["neutral"] = {"run": len(ran), "not_executed": len(neutral) - len(ran), "false_alarms": len(alarms)}
     return made
 
 
 def table(made):
-    lines = [f"{'folder':<24} {'faults':>6} {'equiv.':>6} {'quick':>7} {'verdict':>7} {'+crash':>7} {'suite':>7}"]
+    lines = [f"{'folder':<24} {'faults':>6} {'equiv.':>6} {'quick':>7} {'+crash':>7} {'verdict':>7} {'+crash':>7} {'suite':>7}"]
 
     def percent(value):
         return "-" if value is None else f"{100 * value:.1f} %"
@@ -81,16 +95,20 @@ def table(made):
             end = "" if raw else "_adjusted"
             if not raw and not row["equivalent"]:
                 continue
-            cells = [percent(row[key + end]) for key in ("quick_verdict_score", "verdict_score", "verdict_detected", "suite_score")]
+            cells = [percent(row[key + end]) for key in ("quick_verdict_score", "quick_verdict_detected", "verdict_score", "verdict_detected",
+                                                           "suite_score")]
             count = row["run"] if raw else row["run"] - row["equivalent"]
             lines.append(f"{name if raw else '  adjusted':<24} {count:>6} {row['equivalent'] if raw else '':>6} "
                          + " ".join(f"{cell:>7}" for cell in cells))
+    if made["verdicts_pending"]:
+        lines.append(f"{made['verdicts_pending']} verdicts are pending: only the quick ones were asked")
     lines.append(f"neutral edits: {made['neutral']['run']}, false alarms: {made['neutral']['false_alarms']}")
     return "\n".join(lines)
 
 
 def badge(made):
     """For shields.io's endpoint."""
-    score = made["emulation+gpu+reference"]["verdict_detected_adjusted"]
-    message = "not measured" if score is None else f"{100 * score:.0f} % of {made['emulation+gpu+reference']['run']} faults"
+    under_test = made["emulation+gpu+reference"]
+    score = under_test["verdict_detected_adjusted"]
+    message = "not measured" if score is None else f"{100 * score:.0f} % of {under_test['run']} faults"
     return {"schemaVersion": 1, "label": "verdict", "message": message}
