@@ -1,8 +1,9 @@
-/// Faults made by a machine: the switch that each of them stands behind. Every unit of the copy that has them
-/// includes this first (-include); the project itself has no trace of it.
+/// Faults made by a machine: the switch that each of them stands behind. Every unit of the copy
+/// that has them includes this first (-include); the project itself has no trace of it.
 ///
-/// SCOTTY_MADE=n switches fault n on. SCOTTY_MADE_SEEN=FILE: byte n of the file becomes 1 when the text of fault n is
-/// executed (and only that fault's, where one is on); it is a mapping, so a process that crashes leaves it too.
+/// SCOTTY_MADE=n switches fault n on. SCOTTY_MADE_SEEN=FILE: byte n of the file becomes 1 when the
+/// text of fault n is executed (and only that fault's, where one is on); it is a mapping, so a
+/// process that crashes leaves it too.
 #pragma once
 #if __cplusplus >= 202002L  // CMake tries the compiler without any standard
 
@@ -45,7 +46,8 @@ struct Switches {
 };
 inline Switches switches;
 
-// Not inlined, and not watched by the checker of loads and stores, whose calls are the thread sanitizer's.
+// Not inlined, and not watched by the checker of loads and stores, whose calls are the thread
+// sanitizer's.
 __attribute__((noinline, cold, no_sanitize("thread"))) inline bool slow(int number) {
     if (switches.seen != nullptr) switches.seen[number] = 1;
     if (switches.state[number] == kOn) return true;
@@ -85,7 +87,8 @@ T half_as_wide(T value) {
 /// What a variable holds that nobody initialised.
 template <class T>
 T unwritten(T value) {
-    if constexpr (std::is_same_v<T, bool>) return !value;
+    if constexpr (std::is_same_v<T, bool>)
+        return !value;
     else {
         std::memset(&value, 0xa5, sizeof value);
         return value;
@@ -93,9 +96,13 @@ T unwritten(T value) {
 }
 
 template <class T>
-T& target_of(T& target) { return target; }
+T& target_of(T& target) {
+    return target;
+}
 template <class T>
-T& target_of(T* target) { return *target; }
+T& target_of(T* target) {
+    return *target;
+}
 
 template <class T, class V>
 [[gnu::always_inline]] inline auto plain_atomic_add(T&& target, V value) {
