@@ -107,7 +107,9 @@ int run_render(RenderOptions options) {
     const Backend backend =
         by_embree ? embree(options.threads) : chosen_backend(options.backend, options.threads, p);
     if (!by_embree) expect_arithmetic(backend, p);
-    set_render_defaults(backend, p, options.is_given);
+    // Whoever looks for a fault wants as much of the code as there is.
+    const bool looks_for_faults = options.backend.check || !options.backend.plant.empty();
+    if (!looks_for_faults) set_render_defaults(backend, p, options.is_given);
     std::optional<tbb::global_control> limit;
     if (options.threads != 0) {
         limit.emplace(tbb::global_control::max_allowed_parallelism, options.threads);
@@ -168,13 +170,12 @@ void add_render_command(CLI::App& app, Action& action) {
         "radiance * 2^exposure. NumPy's .npy holds linear radiance, with the variance in "
         "X.variance.npy and the rest in X.json beside it, and needs no library for images.\n\n"
         "Without --width, --queue-levels, --early-out, --hit-mode and --batch-rays each back end "
-        "takes "
-        "what is fastest for it; the picture is the same. A progressive render is the same "
-        "picture, "
-        "too, bit for bit. Ctrl-C (or SIGTERM) ends it at the next batch: FILE then holds the last "
-        "pass that every pixel had, which is the picture of "
-        "that many --spp, and the exit code is 130 (143). A second Ctrl-C ends it at once; FILE is "
-        "whole even so. --filter applies as long as there are fewer samples than "
+        "takes what is fastest for it, or with --check and --plant what verify begins with; the "
+        "picture is the same. A progressive render is the same picture, too, bit for bit. Ctrl-C "
+        "(or SIGTERM) ends it at the next batch: FILE then holds the last pass that every pixel "
+        "had, which is the picture of that many --spp, and the exit code is 130 (143). A second "
+        "Ctrl-C ends it at once; FILE is whole even so. --filter applies as long as there are "
+        "fewer samples than "
         "--filter-threshold.");
     auto options = std::make_shared<RenderOptions>();
     options->parameters.samples_per_pass = 1;
