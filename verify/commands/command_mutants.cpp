@@ -71,13 +71,14 @@ std::vector<std::string> words_of(const std::string& text) {
 std::string list(const Selection& selection) {
     std::string text;
     for (const PlantedFault& fault : selection.faults) {
-        text += fmt::format("{:<28} {:<22} {}{}\n", fault.name, fault.file, fault.what,
-                            fault.defect.empty() ? "" : " [" + fault.defect + "]");
-        if (!fault.unapplied.empty())
-            text += "  does not apply any more: " + fault.unapplied + "\n";
+        text += fmt::format("{:<32} {}\n", fault.name, fault.file);
+        text += indented(fault.what + (fault.defect.empty() ? "" : " [" + fault.defect + "]"));
+        if (!fault.unapplied.empty()) {
+            text += indented("does not apply any more: " + fault.unapplied);
+        }
     }
     for (const HostileCondition& condition : selection.hostile) {
-        text += fmt::format("{:<28} {:<22} {}\n", condition.name, "(no fault)", condition.what);
+        text += fmt::format("{:<32} no fault\n", condition.name) + indented(condition.what);
     }
     return text;
 }

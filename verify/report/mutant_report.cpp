@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "reference/base/error.h"
 #include "verify/base/shard.h"
@@ -26,27 +27,49 @@ std::size_t passed_conditions(const MutantReport& report) {
                       [](const HostileResult& result) { return result.failure.empty(); }));
 }
 
+constexpr const char* kRow = "{:<8} {:<30} {:<18} {:>6} {:>6}\n";
+
 std::string row(const MutantResult& result) {
     const MutantCatch& found = result.found;
     std::string text =
-        fmt::format("{:<8} {:<30} {:<32} {:<18} {:>6} {:<34} {:>5.1f}  {}\n",
+        fmt::format(kRow,
                     result.caught()                   ? "caught"
                     : !result.fault.unapplied.empty() ? "GONE"
                                                       : "ESCAPED",
-                    result.fault.name, result.fault.file, found.check.empty() ? "-" : found.check,
-                    launch_text(found.launch), found.stage.empty() ? "-" : found.stage,
-                    result.seconds, found.place);
+                    result.fault.name, found.check.empty() ? "-" : found.check,
+                    launch_text(found.launch), fmt::format("{:.1f}", result.seconds));
+    // The place, where it is a line of a kernel, says the file.
+    const bool says_file = found.place.starts_with(result.fault.file);
+    text += indented(fmt::format("{}{}{}{}{}", says_file ? "" : result.fault.file,
+                                 says_file || found.stage.empty() ? "" : ", ", found.stage,
+                                 found.place.empty() ? "" : ": ", found.place));
     if (!result.fault.unapplied.empty()) {
-        text += fmt::format("         {}\n", result.why_not);
+        text += indented(result.why_not);
     } else if (!result.caught()) {
-        text += fmt::format("         {}{}{}\n         scotty {} --plant {}\n", result.why_not,
-                            found.says.empty() ? "" : "; said: ", found.says, result.fault.run,
-                            result.fault.name);
+        text += indented(result.why_not + (found.says.empty() ? "" : "; said: " + found.says));
+        text += fmt::format("         scotty {} --plant {}\n", result.fault.run, result.fault.name);
     }
     return text;
 }
 
 }  // namespace
+
+std::string indented(const std::string& text) {
+    constexpr std::size_t kColumns = 80;
+    const std::string margin(9, ' ');
+    std::string out;
+    std::string line = margin;
+    std::istringstream words(text);
+    for (std::string word; words >> word;) {
+        if (line.size() > margin.size() && line.size() + 1 + word.size() > kColumns) {
+            out += line + "\n";
+            line = margin;
+        }
+        if (line.size() > margin.size()) line += ' ';
+        line += word;
+    }
+    return out + line + "\n";
+}
 
 std::size_t MutantReport::caught() const {
     return static_cast<std::size_t>(std::count_if(
@@ -66,18 +89,17 @@ bool MutantReport::passed() const {
 std::string to_text(const MutantReport& report) {
     std::string text;
     if (!report.faults.empty()) {
-        text += fmt::format("{:<8} {:<30} {:<32} {:<18} {:>6} {:<34} {:>5}  {}\n", "verdict",
-                            "planted", "in", "found by", "launch", "stage", "s", "place");
+        text += fmt::format(kRow, "verdict", "planted", "found by", "launch", "s");
     }
     for (const MutantResult& result : report.faults) text += row(result);
     if (!report.hostile.empty()) text += "\nno fault, but hostile\n";
     for (const HostileResult& result : report.hostile) {
-        text +=
-            fmt::format("{:<8} {:<28} {:>5.1f}  {}\n", result.failure.empty() ? "passed" : "FAILED",
-                        result.condition.name, result.seconds, result.condition.what);
+        text += fmt::format(kRow, result.failure.empty() ? "passed" : "FAILED",
+                            result.condition.name, "", "", fmt::format("{:.1f}", result.seconds));
+        text += indented(result.condition.what);
         if (!result.failure.empty()) {
-            text += fmt::format("         {}\n         scotty {}\n", result.failure,
-                                result.condition.run);
+            text += indented(result.failure);
+            text += fmt::format("         scotty {}\n", result.condition.run);
         }
     }
     return text + "\n" + score(report);

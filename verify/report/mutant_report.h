@@ -83,7 +83,10 @@ struct MutantReport {
     std::size_t unapplied() const;
     bool passed() const;
 };
+/// Lines of 80 columns at most, but for commands, which can be pasted.
 std::string to_text(const MutantReport& report);
+/// Words in lines of 80 columns, nine blanks before each.
+std::string indented(const std::string& text);
 /// "mutants: 96 of 96 caught" and the same of hostile conditions, a line each.
 std::string score(const MutantReport& report);
 nlohmann::json to_json(const MutantReport& report);

@@ -1,9 +1,11 @@
 /// Planted faults: how they are run, when they count as caught, and the registry itself.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <csignal>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 
 #include "tests/verify/command_tools.h"
 #include "verify/base/shard.h"
@@ -135,6 +137,16 @@ TEST_CASE("mutants: a process that ends early is judged by its last words", "[ve
     CHECK(judge(expecting({"bad-address", ".*", "", {}}), outcome).found.check == "time-limit");
 }
 
+/// Columns of the widest line that is no command.
+std::size_t longest_line(const std::string& text) {
+    std::size_t most = 0;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) {
+        if (line.find(" scotty ") == std::string::npos) most = std::max(most, line.size());
+    }
+    return most;
+}
+
 TEST_CASE("mutants: the score counts, and a hostile condition that fails fails the report",
           "[verify][mutants]") {
     const ProcessOutcome found =
@@ -145,6 +157,7 @@ TEST_CASE("mutants: the score counts, and a hostile condition that fails fails t
     CHECK(report.caught() == 1);
     CHECK_FALSE(report.passed());
     CHECK(to_text(report).find("mutants: 1 of 2 caught") != std::string::npos);
+    CHECK(longest_line(to_text(report)) <= 80);
     report.faults.pop_back();
     CHECK(report.passed());
     report.hostile = {judge(HostileCondition{"tight", "?", "verify coil"}, found)};
@@ -237,18 +250,22 @@ TEST_CASE("mutants: the registry has faults of each back end and of what they sh
           "[verify][mutants]") {
     if (!can_plant()) return;
     const Result result = run_scotty("mutants --list");
+    CHECK(longest_line(result.out) <= 80);
     REQUIRE(result.exit_code == kExitPassed);
     std::istringstream lines(result.out);
     std::set<std::string> names;
-    std::size_t in_gpu = 0, in_emulation = 0, shared = 0, all = 0;
-    for (std::string line; std::getline(lines, line); ++all) {
+    std::size_t in_gpu = 0, in_emulation = 0, shared = 0, hostile = 0, all = 0;
+    for (std::string line; std::getline(lines, line);) {
+        if (line.starts_with(' ')) continue;  // what it is
+        ++all;
         names.insert(line.substr(0, line.find(' ')));
         in_gpu += line.find(" gpu/") != std::string::npos ? 1 : 0;
         in_emulation += line.find(" emulation/") != std::string::npos ? 1 : 0;
         shared += line.find(" reference/stages/") != std::string::npos ? 1 : 0;
+        hostile += line.ends_with(" no fault") ? 1 : 0;
     }
     CHECK(names.size() == all);
-    CHECK(in_gpu + in_emulation + shared == all);
+    CHECK(in_gpu + in_emulation + shared + hostile == all);
     CHECK(shared >= 20);
     CHECK(in_gpu >= 20);
     CHECK(in_emulation >= 20);
