@@ -69,9 +69,9 @@ class Observers : public reference::StageObserver {
     std::vector<reference::StageObserver*> observers_;
 };
 
-/// Bit for bit: rays and merged hits of every traversal, radiance, image and variance. `occlusion_only`: of
-/// shadow rays only whether something was hit. At most one failure each for rays, hits, radiance
-/// and image, in the order in which they arose.
+/// Bit for bit: rays and merged hits of every traversal, radiance, image and variance.
+/// `occlusion_only`: of shadow rays only whether something was hit. At most one failure each for
+/// rays, hits, radiance and image, in the order in which they arose.
 std::vector<Failure> compare(const Recording& baseline, const Recording& other, bool occlusion_only,
                              std::uint32_t spp);
 /// The first pixel whose bits differ; images of one size.
