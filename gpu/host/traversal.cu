@@ -101,6 +101,7 @@ void Traversal::release() {
     packed_.release();
     minimum_.release();
     lowered_.release();
+    queue_capacity_ = 0;  // it was a larger batch's
 }
 
 void Traversal::run(const TracedRays& traced, const StagePlace& place, const FinalHits& hits) {

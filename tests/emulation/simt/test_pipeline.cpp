@@ -9,6 +9,7 @@
 #include "tests/emulation/renders.h"
 #include "tests/emulation/simt/executor_tools.h"
 #include "tests/reference/meshes.h"
+#include "tests/small_parameters.h"
 #include "tests/verify/capture_tools.h"
 #include "verify/backends/simt/simt_pipeline.h"
 #include "verify/capture/canonical.h"
@@ -207,6 +208,20 @@ TEST_CASE("pipeline: buffers that are too small grow, and the picture is the sam
         scotty::emulation::Pipeline(scene_named("spheres"), bvh_of("spheres", p.width), p).render();
     CHECK(differing_pixels(render(std::size_t{2} << 20), larger) == 0);
     CHECK(retries.halved > 0);
+}
+
+TEST_CASE("pipeline: a fifth of the memory is enough for smaller batches", "[simt][pipeline]") {
+    const PipelineParameters p = scotty::test::small_picture(128, 96, 2);
+    const Scene& scene = scene_named("coil");
+    const WideBvh& bvh = bvh_of("coil", p.width);
+    const auto whole = make_simt_pipeline(scene, bvh, p, {}, nullptr);
+    const Image expected = whole->render();
+    for (const std::size_t part : {2, 4, 5}) {
+        const std::size_t limit = whole->device_bytes() / part;
+        const auto pipeline = make_simt_pipeline(scene, bvh, p, {}, nullptr, {false, limit});
+        CHECK(differing_pixels(pipeline->render(), expected) == 0);
+        CHECK(pipeline->device_bytes() <= limit);
+    }
 }
 
 TEST_CASE("pipeline: rays from elsewhere get brute force's hits", "[simt][pipeline]") {
