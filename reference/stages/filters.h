@@ -74,8 +74,7 @@ SCOTTY_STAGE Vec3 median(const FilterView& view, std::uint32_t pixel) {
             channels[2][i] = value.z;
         }
     }
-    return Vec3(median_of_nine(channels[0]), median_of_nine(channels[1]),
-                median_of_nine(channels[2]));
+    return {median_of_nine(channels[0]), median_of_nine(channels[1]), median_of_nine(channels[2])};
 }
 
 /// `filter` is not none.

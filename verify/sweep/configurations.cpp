@@ -44,7 +44,7 @@ Factor schedules_of(const std::vector<Schedule>& asked, std::vector<Schedule> us
     Factor out;
     out.asked = !asked.empty();
     for (const Schedule& value : out.asked ? asked : usual) {
-        out.values.push_back([=](Configuration& c) { c.schedule = value; });
+        out.values.emplace_back([=](Configuration& c) { c.schedule = value; });
     }
     return out;
 }
