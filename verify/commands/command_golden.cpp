@@ -6,7 +6,9 @@
 #include <memory>
 #include <optional>
 
+#include "reference/base/error.h"
 #include "reference/base/write_file.h"
+#include "scenes/scenes.h"
 #include "verify/base/ask.h"
 #include "verify/base/progress.h"
 #include "verify/commands/command.h"
@@ -14,6 +16,8 @@
 #include "verify/golden/golden.h"
 #include "verify/golden/golden_proposal.h"
 #include "verify/report/report.h"
+#include "verify/sweep/cases.h"
+#include "verify/sweep/verify.h"
 
 namespace scotty::verify {
 namespace {
@@ -78,6 +82,34 @@ std::string commit_of(const fs::path& golden) {
     return commit.empty() ? "unknown" : commit;
 }
 
+/// Of everything that `scotty verify` runs by default. Throws bad_input where that fails: what is
+/// known to be wrong is not to be approved.
+Hashes hashes_now(const GoldenOptions& options) {
+    HashBook book;
+    VerifySettings settings;
+    settings.parameters = default_verify_parameters();
+    settings.threads = options.threads;
+    settings.hashes = &book;
+    Progress progress;
+    settings.progress = [&](const std::string& what, std::size_t done, std::size_t total) {
+        progress.show(fmt::format("hashes: {} of {}: {}", done + 1, total, what));
+    };
+    std::vector<SceneReport> reports{
+        verify_cases(covering_cases(Budget::standard).cases, settings)};
+    for (const auto& scene : scenes::built_in_scenes()) {
+        reports.push_back(verify_scene(scenes::load_scene(scene.name), settings));
+    }
+    progress.clear();
+    for (const SceneReport& report : reports) {
+        if (report.passed()) continue;
+        throw reference::Error::bad_input(
+            "hashes",
+            fmt::format("{} fails its verification, so its hashes are no truth: {}", report.scene,
+                        to_string(placed_failures(report).front().failure)));
+    }
+    return book.recorded();
+}
+
 int run_propose(const GoldenOptions& options) {
     std::optional<tbb::global_control> limit;
     if (options.threads != 0) {
@@ -85,8 +117,15 @@ int run_propose(const GoldenOptions& options) {
     }
     const std::vector<GoldenCase> cases = golden_cases();
     std::vector<GoldenCase> chosen;
-    for (const std::string& name : options.names) chosen.push_back(find_case(cases, name));
-    if (chosen.empty()) chosen = cases;
+    bool hashes = options.names.empty();
+    for (const std::string& name : options.names) {
+        if (name == kHashesName) {
+            hashes = true;
+        } else {
+            chosen.push_back(find_case(cases, name));
+        }
+    }
+    if (options.names.empty()) chosen = cases;
 
     Progress progress;
     ProposalSettings settings;
@@ -105,11 +144,18 @@ int run_propose(const GoldenOptions& options) {
         proposals.push_back(propose_golden(golden, settings));
     }
     progress.clear();
-    reference::write_file((settings.output / "report.txt").string(), to_text(proposals));
-    reference::write_file((settings.output / "report.json").string(),
-                          to_json(proposals).dump(2) + "\n");
+    std::string text = to_text(proposals);
+    nlohmann::ordered_json json = to_json(proposals);
+    if (hashes) {
+        settings.command = fmt::format("scotty golden propose {}", kHashesName);
+        const HashProposal proposal = propose_hashes(hashes_now(options), settings);
+        text += to_text(proposal);
+        json.push_back({{"case", kHashesName}, {"hashes", to_json(proposal)}});
+    }
+    reference::write_file((settings.output / "report.txt").string(), text);
+    reference::write_file((settings.output / "report.json").string(), json.dump(2) + "\n");
     spdlog::info("{} holds the files and report.txt", settings.output.string());
-    print_result(options.json ? to_json(proposals).dump(2) : to_text(proposals));
+    print_result(options.json ? json.dump(2) : text);
     return kExitPassed;
 }
 
@@ -117,7 +163,11 @@ int run_approve(const GoldenOptions& options) {
     const std::vector<GoldenCase> cases = golden_cases();
     const fs::path folder = options.golden_folder();
     const std::string& name = options.names.front();
-    approve_golden(find_case(cases, name), folder, options.output_folder(), options.reason);
+    if (name == kHashesName) {
+        approve_hashes(folder, options.output_folder(), options.reason);
+    } else {
+        approve_golden(find_case(cases, name), folder, options.output_folder(), options.reason);
+    }
     if (options.json) {
         const nlohmann::ordered_json out{
             {"case", name}, {"golden", folder.string()}, {"reason", options.reason}};
@@ -147,6 +197,7 @@ void add_golden_command(CLI::App& app, Action& action) {
         "  scotty golden check\n"
         "  scotty golden propose coil              (minutes; goes on where it was interrupted)\n"
         "  scotty golden propose --ledger-only     (seconds)\n"
+        "  scotty golden propose hashes            (a minute)\n"
         "  scotty golden approve coil --reason \"the coil has more turns now\"\n\n"
         "Only approve writes to golden/, and only the files of the case that it names.\n"
         "Exit code 1 where check finds something.");

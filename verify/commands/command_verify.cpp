@@ -24,6 +24,8 @@
 #include "verify/commands/options.h"
 #include "verify/commands/report_outputs.h"
 #include "verify/golden/golden.h"
+#include "verify/golden/golden_proposal.h"
+#include "verify/golden/hash_book.h"
 #include "verify/golden/verify_golden.h"
 #include "verify/report/failure_groups.h"
 #include "verify/report/report.h"
@@ -161,6 +163,26 @@ void judge_golden_files(VerifyOptions& options, GoldenSettings golden, Report& r
                  report.images.size(), report.false_alarm);
 }
 
+/// What the runs are held against, unless it was not asked for. The book has all that a
+/// verification runs by default; of other scenes and pictures it has nothing to say.
+std::optional<HashBook> hash_book(const VerifyOptions& options) {
+    if (options.no_golden || options.only_golden || !options.settings.stage_pattern.empty())
+        return {};
+    std::optional<Hashes> hashes;
+    try {
+        hashes = golden_hashes(options.golden.empty() ? find_golden_folder()
+                                                      : std::filesystem::path(options.golden));
+    } catch (const reference::Error& error) {
+        if (options.asks_golden()) throw;
+        spdlog::warn("no golden hashes: {}", error.what());
+    }
+    const bool complete = options.asks_cases() && !options.thorough &&
+                          verify::to_json(options.settings.parameters) ==
+                              verify::to_json(default_verify_parameters());
+    if (!hashes) return {};
+    return std::optional<HashBook>(std::in_place, std::move(*hashes), complete);
+}
+
 SceneReport run_cases(VerifyOptions& options, const std::vector<Case>& cases) {
     VerifySettings settings = options.settings;
     settings.first_unit = 0;
@@ -238,6 +260,8 @@ int run_verify(VerifyOptions& options) {
                          : static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
     report.backend = options.settings.backend;
     report.command = options.command_line;
+    std::optional<HashBook> book = hash_book(options);
+    if (book) options.settings.hashes = &*book;
     const StopSignals signals;
     options.signals = &signals;
     options.settings.stop = [&] { return signals.received() != 0; };
@@ -284,6 +308,10 @@ int run_verify(VerifyOptions& options) {
     } else if (options.backend.name == "simt" && !options.no_golden) {
         spdlog::info(
             "golden images are not asked of simt, which takes minutes: --only-golden does");
+    }
+    if (book) {
+        if (report.coverage) report.coverage->hashes = book->compared();
+        spdlog::info("golden hashes: {} compared", book->compared());
     }
     report.seconds = seconds();
     report.checked = options.backend.check;
@@ -369,9 +397,10 @@ void add_verify_command(CLI::App& app, Action& action, const std::string& comman
                      "ray-triangle tests a scene for brute force; a subset of the rays beyond it")
         ->type_name("TESTS")
         ->capture_default_str();
-    auto* no_golden = command->add_flag("--no-golden", options->no_golden,
-                                        "leave out golden images and ledgers (they are left out, "
-                                        "too, where configurations or stages are selected)");
+    auto* no_golden =
+        command->add_flag("--no-golden", options->no_golden,
+                          "leave out golden images, ledgers and hashes (they are left out, "
+                          "too, where configurations or stages are selected)");
     command
         ->add_flag("--only-golden", options->only_golden,
                    "nothing but golden images and ledgers (docs/golden.md)")

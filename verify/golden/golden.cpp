@@ -82,7 +82,10 @@ GoldenEntry parse_entry(const std::string& where, const json& object) {
     for (const auto& item : files.items()) {
         // Of this case and no other: approving one must not reach another's files.
         const std::string& file = item.key();
-        if (file != image_path(entry.name) && file != ledger_path(entry.name)) {
+        const bool of_it = entry.name == kHashesName
+                               ? file == kHashesFile
+                               : file == image_path(entry.name) || file == ledger_path(entry.name);
+        if (!of_it) {
             throw Error::bad_input(place, fmt::format("'files': '{}' is not of this case", file));
         }
         hex_member(place, files, file.c_str());

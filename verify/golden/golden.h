@@ -35,6 +35,9 @@ nlohmann::ordered_json settings_of(const GoldenCase& golden, const reference::Sc
 
 std::filesystem::path image_path(const std::string& name);   ///< "images/NAME.exr"
 std::filesystem::path ledger_path(const std::string& name);  ///< "ledgers/NAME.txt"
+/// The entry of the manifest that is of no case: the hashes of small runs (hash_book.h).
+inline constexpr const char* kHashesName = "hashes";
+inline constexpr const char* kHashesFile = "hashes.txt";
 
 nlohmann::ordered_json to_json(const GoldenEntry& entry);
 /// Throws bad_input naming `where` and the member.

@@ -98,6 +98,7 @@ class FolderCheck {
 
     void check_has_case(const GoldenEntry& entry) {
         if (is_case(entry.name)) return;
+        if (entry.name == kHashesName) return check_file(entry, kHashesFile);
         findings_.push_back({GoldenProblem::orphaned, entry.name, "",
                              "the manifest has an entry for a case that is no more",
                              "remove the entry and its files"});

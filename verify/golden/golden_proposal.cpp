@@ -256,42 +256,133 @@ void copy_by_rename(const fs::path& from, const fs::path& to) {
     throw Error::bad_input(to.string(), "cannot be written: " + why);
 }
 
-}  // namespace
-
-void approve_golden(const GoldenCase& golden, const fs::path& golden_folder, const fs::path& output,
-                    const std::string& reason) {
-    if (reason.find_first_not_of(" \t\n") == std::string::npos) {
-        throw Error::bad_input("--reason", "expected a sentence that says why the truth changes");
-    }
-    const std::string again = fmt::format("scotty golden propose {}", golden.name);
-    const fs::path file = entry_path(output, golden.name);
+/// The entry of a proposal, whose files are those that were proposed.
+GoldenEntry proposed_entry(const std::string& name, const fs::path& output,
+                           const nlohmann::json& settings, std::size_t files) {
+    const std::string again = fmt::format("scotty golden propose {}", name);
+    const fs::path file = entry_path(output, name);
     std::error_code ignored;
     if (!fs::exists(file, ignored)) {
         throw Error::bad_input(file.string(), "there is no proposal of this case: " + again);
     }
     GoldenEntry entry = parse_entry(file.string(), read_json(file));
-    const nlohmann::json expected = settings_of(golden, scenes::load_scene(golden.scene));
-    if (entry.name != golden.name || nlohmann::json(entry.settings) != expected) {
+    if (entry.name != name || nlohmann::json(entry.settings) != settings) {
         throw Error::bad_input(file.string(),
                                "was proposed for other settings than the case has now: " + again);
     }
-    if (entry.files.size() != 2) throw Error::bad_input(file.string(), "lists too few files");
+    if (entry.files.size() != files) throw Error::bad_input(file.string(), "lists too few files");
     for (const auto& [path, sum] : entry.files) {
         if (checksum(output / path) == sum) continue;
         throw Error::bad_input((output / path).string(),
                                "is not the file that was proposed: " + again);
     }
+    return entry;
+}
+
+void expect_reason(const std::string& reason) {
+    if (reason.find_first_not_of(" \t\n") != std::string::npos) return;
+    throw Error::bad_input("--reason", "expected a sentence that says why the truth changes");
+}
+
+void take_over(GoldenEntry entry, const fs::path& golden_folder, const fs::path& output,
+               const std::string& reason) {
     Manifest manifest = read_manifest(golden_folder);
     std::erase_if(manifest.entries,
-                  [&](const GoldenEntry& other) { return other.name == golden.name; });
+                  [&](const GoldenEntry& other) { return other.name == entry.name; });
     entry.reason = reason;
     for (const auto& [path, sum] : entry.files) {
         const fs::path target = golden_folder / path;
+        std::error_code ignored;
         if (fs::exists(target, ignored) && checksum(target) == sum) continue;
         copy_by_rename(output / path, target);
     }
     manifest.entries.push_back(std::move(entry));
     write_manifest(golden_folder, manifest);
+}
+
+const ordered_json& hash_settings() {
+    static const ordered_json settings{{"generator", "hashes of small runs, version 1"}};
+    return settings;
+}
+
+}  // namespace
+
+void approve_golden(const GoldenCase& golden, const fs::path& golden_folder, const fs::path& output,
+                    const std::string& reason) {
+    expect_reason(reason);
+    const auto settings = settings_of(golden, scenes::load_scene(golden.scene));
+    take_over(proposed_entry(golden.name, output, settings, 2), golden_folder, output, reason);
+}
+
+HashProposal propose_hashes(const Hashes& hashes, const ProposalSettings& settings) {
+    expect_outside(settings.output, settings.golden);
+    make_folder(settings.output);
+    const fs::path file = settings.output / kHashesFile;
+    reference::write_file(file.string(), to_text(hashes));
+    GoldenEntry entry;
+    entry.name = kHashesName;
+    entry.settings = hash_settings();
+    entry.files[kHashesFile] = checksum(file);
+    entry.command = settings.command;
+    entry.commit = settings.commit;
+    entry.made_with = "the emulator";
+    const fs::path listed = entry_path(settings.output, entry.name);
+    make_folder(listed.parent_path());
+    reference::write_file(listed.string(), to_json(entry).dump(1) + "\n");
+
+    HashProposal proposal;
+    proposal.in_all = hashes.size();
+    Hashes old;
+    try {
+        old = read_hashes(settings.golden / kHashesFile);
+    } catch (const Error&) {  // there are none yet
+    }
+    for (const auto& [what, hash] : hashes) {
+        const auto before = old.find(what);
+        if (before != old.end() && before->second == hash) continue;
+        ++(before == old.end() ? proposal.added : proposal.changed);
+        if (proposal.first.empty()) proposal.first = what;
+    }
+    for (const auto& [what, hash] : old) proposal.gone += hashes.contains(what) ? 0 : 1;
+    return proposal;
+}
+
+std::string to_text(const HashProposal& proposal) {
+    std::string text =
+        fmt::format("hashes     {} in all: {} added, {} changed, {} gone", proposal.in_all,
+                    proposal.added, proposal.changed, proposal.gone);
+    if (!proposal.first.empty()) text += fmt::format("; first {}", proposal.first);
+    text += '\n';
+    if (proposal.changes()) text += "  scotty golden approve hashes --reason \"...\"\n";
+    return text;
+}
+
+ordered_json to_json(const HashProposal& proposal) {
+    return {{"in_all", proposal.in_all},
+            {"added", proposal.added},
+            {"changed", proposal.changed},
+            {"gone", proposal.gone},
+            {"first", proposal.first}};
+}
+
+void approve_hashes(const fs::path& golden_folder, const fs::path& output,
+                    const std::string& reason) {
+    expect_reason(reason);
+    take_over(proposed_entry(kHashesName, output, hash_settings(), 1), golden_folder, output,
+              reason);
+}
+
+std::optional<Hashes> golden_hashes(const fs::path& golden_folder) {
+    const Manifest manifest = read_manifest(golden_folder);
+    const GoldenEntry* entry = manifest.find(kHashesName);
+    if (entry == nullptr) return std::nullopt;
+    const fs::path file = golden_folder / kHashesFile;
+    const auto listed = entry->files.find(kHashesFile);
+    if (listed == entry->files.end() || checksum(file) != listed->second) {
+        throw Error::bad_input(
+            file.string(), "is not what the manifest says; scotty golden check says what to do");
+    }
+    return read_hashes(file);
 }
 
 }  // namespace scotty::verify

@@ -5,10 +5,12 @@
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "verify/golden/golden.h"
+#include "verify/golden/hash_book.h"
 
 namespace scotty::verify {
 
@@ -55,5 +57,25 @@ nlohmann::ordered_json to_json(const std::vector<Proposal>& proposals);
 /// proposed, and where no reason is given.
 void approve_golden(const GoldenCase& golden, const std::filesystem::path& golden_folder,
                     const std::filesystem::path& output, const std::string& reason);
+
+/// The same for the hashes of small runs: written into `output` beside an entry of their own.
+struct HashProposal {
+    std::uint64_t added = 0, changed = 0, gone = 0;
+    std::uint64_t in_all = 0;
+    std::string first;  ///< what the first one that changes is of
+
+    bool changes() const { return added + changed + gone != 0; }
+};
+HashProposal propose_hashes(const Hashes& hashes, const ProposalSettings& settings);
+/// "hashes: 3 of 512 changed, ..." with the command that approves them.
+std::string to_text(const HashProposal& proposal);
+nlohmann::ordered_json to_json(const HashProposal& proposal);
+/// Throws as approve_golden() does.
+void approve_hashes(const std::filesystem::path& golden_folder, const std::filesystem::path& output,
+                    const std::string& reason);
+
+/// Of a golden folder; none where its manifest does not list them. Throws bad_input where the file
+/// is not what the manifest says.
+std::optional<Hashes> golden_hashes(const std::filesystem::path& golden_folder);
 
 }  // namespace scotty::verify

@@ -7,9 +7,11 @@
 namespace scotty::verify {
 
 std::string to_text(const Coverage& coverage) {
-    return fmt::format("{} cases of {} factors: {} of {} pairs of values, {} of {} triples",
-                       coverage.cases, coverage.factors.size(), coverage.pairs, coverage.all_pairs,
-                       coverage.triples, coverage.all_triples);
+    return fmt::format(
+        "{} cases of {} factors: {} of {} pairs of values, {} of {} triples; {} "
+        "golden hashes",
+        coverage.cases, coverage.factors.size(), coverage.pairs, coverage.all_pairs,
+        coverage.triples, coverage.all_triples, coverage.hashes);
 }
 
 nlohmann::json to_json(const Coverage& coverage) {
@@ -18,6 +20,7 @@ nlohmann::json to_json(const Coverage& coverage) {
     return {{"cases", coverage.cases},
             {"pairs", {{"covered", coverage.pairs}, {"all", coverage.all_pairs}}},
             {"triples", {{"covered", coverage.triples}, {"all", coverage.all_triples}}},
+            {"golden_hashes", coverage.hashes},
             {"factors", factors}};
 }
 

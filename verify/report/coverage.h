@@ -20,10 +20,12 @@ struct Coverage {
     std::uint64_t all_pairs = 0;  ///< that there are
     std::uint64_t triples = 0;
     std::uint64_t all_triples = 0;
+    std::uint64_t hashes = 0;  ///< of scenes, trees and pictures that were held against golden ones
     std::vector<CoverageFactor> factors;
 };
 
-/// "87 cases of 19 factors: 3120 of 3120 pairs of values, 41200 of 72000 triples".
+/// "87 cases of 19 factors: 3120 of 3120 pairs of values, 41200 of 72000 triples;
+/// 512 golden hashes".
 std::string to_text(const Coverage& coverage);
 nlohmann::json to_json(const Coverage& coverage);
 

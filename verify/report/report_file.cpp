@@ -40,7 +40,8 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ImageCase, name, unit, image, golden, verdict
                                    replay, approve)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RelaxedRead, line, met)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CoverageFactor, name, values)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Coverage, cases, pairs, all_pairs, triples, all_triples, factors)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Coverage, cases, pairs, all_pairs, triples, all_triples, hashes,
+                                   factors)
 
 namespace {
 

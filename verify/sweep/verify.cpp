@@ -135,6 +135,32 @@ class SceneVerification {
             announce();
         }  // else another shard's to report
         run_others(all, ours, truth);
+        judge_hashes();
+    }
+
+    /// Last, and only of what everything else calls right: a hash says that a thing is another, not
+    /// why.
+    void judge_hashes() {
+        if (settings_.hashes == nullptr || !report_.passed()) return;
+        hashes_.merge(scene_hashes(source(), scene_));
+        std::vector<Failure> failures = settings_.hashes->look_up(hashes_);
+        if (failures.empty()) return;
+        ConfigurationReport& first = report_.configurations.front();
+        first.counts.failures += failures.size();
+        first.failures = std::move(failures);
+        announce();
+    }
+
+    /// What load_scene() takes.
+    const std::string& source() const {
+        return scene_.source.empty() ? scene_.name : scene_.source;
+    }
+    bool asks_hashes() const {
+        return settings_.hashes != nullptr && settings_.stage_pattern.empty();
+    }
+    void note(Hashes hashes) {
+        const std::lock_guard lock(mutex_);
+        hashes_.merge(std::move(hashes));
     }
 
     /// Configurations know nothing of each other: as many at a time as there are threads, so that
@@ -232,16 +258,15 @@ class SceneVerification {
                 failure.sentence = fault;
                 report_.bvh_failures.push_back(std::move(failure));
             }
+            if (asks_hashes()) note(tree_hashes(source(), p, bvh));
         }
         return bvh;
     }
 
     std::string replay_of(const Configuration& configuration) const {
         const PipelineParameters& p = configuration.parameters;
-        std::string command =
-            fmt::format("scotty verify {} {} {}",
-                        shell_word(scene_.source.empty() ? scene_.name : scene_.source),
-                        picture_options(p), configuration.options());
+        std::string command = fmt::format("scotty verify {} {} {}", shell_word(source()),
+                                          picture_options(p), configuration.options());
         if (p.filter != reference::Filter::none) {
             command += fmt::format(" --filter {} --filter-threshold {}",
                                    reference::to_string(p.filter), p.filter_threshold);
@@ -283,6 +308,11 @@ class SceneVerification {
         std::vector<reference::StageObserver*> all{&checker, &recorder};
         if (emulator) all.push_back(&emulator->observer());
         std::optional<StoppingObserver> stopping;
+        std::optional<WorkHasher> work;
+        if (asks_hashes() && backend.name == "emulator" &&
+            configuration.schedule.kind != emulation::ScheduleKind::free) {
+            all.push_back(&work.emplace());
+        }
         if (settings_.stop || settings_.fail_fast) {
             all.push_back(&stopping.emplace(settings_.stop, ended_));
         }
@@ -325,6 +355,12 @@ class SceneVerification {
             }
         }
         if (settings_.stage_pattern.empty()) check_handed_out(recording, p, out);
+        if (asks_hashes() && baseline == nullptr) note(picture_hashes(source(), p, recording));
+        if (work) {
+            note({{fmt::format("work {} {} {}", source(), picture_options(p),
+                               configuration.options()),
+                   work->hash()}});
+        }
         if (out.counts.failures == 0 && settings_.stage_pattern.empty()) {
             check_unwatched(bvh, p, backend, recording.image, out);
             if (settings_.oracles) trace_rays(bvh, p, backend, recording, out);
@@ -490,6 +526,7 @@ class SceneVerification {
     const VerifySettings& settings_;
     SceneReport report_;
     std::map<std::pair<int, std::uint32_t>, reference::WideBvh> bvhs_;
+    Hashes hashes_;  ///< of what was run
     std::size_t done_ = 0;
     std::size_t steps_ = 0;
     std::mutex mutex_;  ///< of the report and of progress, while configurations run

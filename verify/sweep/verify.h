@@ -8,6 +8,7 @@
 
 #include "reference/contract/scene.h"
 #include "reference/contract/stage_observer.h"
+#include "verify/golden/hash_book.h"
 #include "verify/report/report.h"
 #include "verify/sweep/cases.h"
 #include "verify/sweep/configurations.h"
@@ -35,6 +36,8 @@ struct VerifySettings {
     std::function<bool(std::size_t unit)> has_unit;
     std::size_t first_unit = 0;                     ///< number of the scene's baseline
     std::uint64_t brute_force_tests = 400'000'000;  ///< see HitCheckSettings
+    /// Where all else agrees: is it what it was when somebody approved it? Null: not asked.
+    HashBook* hashes = nullptr;
     /// Called before each step: what is being done, steps done, steps in all.
     std::function<void(const std::string& what, std::size_t done, std::size_t total)> progress;
     /// Called once, as soon as something fails: with the failure that leads in its configuration.
