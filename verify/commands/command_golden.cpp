@@ -99,6 +99,9 @@ Hashes hashes_now(const GoldenOptions& options) {
     for (const auto& scene : scenes::built_in_scenes()) {
         reports.push_back(verify_scene(scenes::load_scene(scene.name), settings));
     }
+    settings.backend = "simt";
+    settings.oracles = false;
+    reports.push_back(verify_cases(covering_cases(Budget::quick).cases, settings));
     progress.clear();
     for (const SceneReport& report : reports) {
         if (report.passed()) continue;
@@ -197,7 +200,7 @@ void add_golden_command(CLI::App& app, Action& action) {
         "  scotty golden check\n"
         "  scotty golden propose coil              (minutes; goes on where it was interrupted)\n"
         "  scotty golden propose --ledger-only     (seconds)\n"
-        "  scotty golden propose hashes            (a minute)\n"
+        "  scotty golden propose hashes            (minutes)\n"
         "  scotty golden approve coil --reason \"the coil has more turns now\"\n\n"
         "Only approve writes to golden/, and only the files of the case that it names.\n"
         "Exit code 1 where check finds something.");

@@ -53,6 +53,10 @@ class WorkHasher : public reference::StageObserver {
     std::uint64_t hash_ = 0;
 };
 
+/// What a hash of the CUDA text's work is of; "work" is the emulator's. Only of the first cases, as
+/// that text takes its time on a CPU.
+inline constexpr const char* kWorkOfText = "work-simt";
+
 /// What the runs of a verification are held against, or what they leave behind to be approved.
 class HashBook {
  public:

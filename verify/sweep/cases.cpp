@@ -106,8 +106,12 @@ DraftFactor rays_per_batch() {
     return {"rays per batch",
             {"batch_rays"},
             {{"65536", [](Draft& d) { d.p().batch_rays = 65536; }},
-             // At least 2: batches of one ray each are slow, and two pixels' are no fewer paths.
-             {"half a pass", [](Draft& d) { d.p().batch_rays = std::max(2u, pass_of(d) / 2 + 1); }},
+             // Of a pass of one sample only so many rays that there are no hundreds of batches.
+             {"half a pass",
+              [](Draft& d) {
+                  const std::uint32_t pixels = d.p().image_width * d.p().image_height;
+                  d.p().batch_rays = std::max(pixels > 8 ? 7u : 2u, pass_of(d) / 2 + 1);
+              }},
              {"two pixels and some",
               [](Draft& d) { d.p().batch_rays = 2 * pass_of(d) + pass_of(d) / 2; }},
              {"all but one pixel", [](Draft& d) {

@@ -10,6 +10,7 @@
 #include <atomic>
 #include <chrono>
 #include <exception>
+#include <iterator>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -25,6 +26,7 @@
 #include "verify/capture/pipeline_input.h"
 #include "verify/capture/recording.h"
 #include "verify/oracles/interval_check.h"
+#include "verify/oracles/refusal_check.h"
 #include "verify/oracles/trace_check.h"
 #include "verify/schedules/schedule_check.h"
 #include "verify/sweep/emulator_diff.h"
@@ -309,7 +311,7 @@ class SceneVerification {
         if (emulator) all.push_back(&emulator->observer());
         std::optional<StoppingObserver> stopping;
         std::optional<WorkHasher> work;
-        if (asks_hashes() && backend.name == "emulator" &&
+        if (asks_hashes() && backend.name != "cuda" &&
             configuration.schedule.kind != emulation::ScheduleKind::free) {
             all.push_back(&work.emplace());
         }
@@ -357,8 +359,8 @@ class SceneVerification {
         if (settings_.stage_pattern.empty()) check_handed_out(recording, p, out);
         if (asks_hashes() && baseline == nullptr) note(picture_hashes(source(), p, recording));
         if (work) {
-            note({{fmt::format("work {} {} {}", source(), picture_options(p),
-                               configuration.options()),
+            note({{fmt::format("{} {} {} {}", backend.name == "simt" ? kWorkOfText : "work",
+                               source(), picture_options(p), configuration.options()),
                    work->hash()}});
         }
         if (out.counts.failures == 0 && settings_.stage_pattern.empty()) {
@@ -493,7 +495,10 @@ class SceneVerification {
         // What is known to be broken may end the process, and the report with it, where nobody
         // watches its launches.
         const bool sound = report_.configurations.front().failures.empty();
-        if (sound && settings_.stage_pattern.empty()) run_interval_check(truth);
+        if (sound && settings_.stage_pattern.empty()) {
+            run_interval_check(truth);
+            check_refusals();
+        }
         const PipelineParameters& p = settings_.parameters;
         // Before a filter: the same paths, added up in the same order.
         const reference::Image image{p.image_width, p.image_height, truth.reconstructed};
@@ -505,6 +510,18 @@ class SceneVerification {
         }
         report_.oracles_ran = true;
         report_.oracle_seconds = seconds_since(start);
+    }
+
+    /// Of a small scene: is what is spoiled in it refused?
+    void check_refusals() {
+        if (scene_.triangles.size() > kMostSpoiledTriangles) return;
+        const auto add = [&](std::vector<Failure> failures) {
+            std::move(failures.begin(), failures.end(), std::back_inserter(report_.hits.failures));
+        };
+        add(check_scene_refusals(scene_));
+        add(check_tree_refusals(bvh_of(baseline_configuration(settings_.parameters).parameters),
+                                scene_));
+        add(check_parameter_refusals());
     }
 
     void run_interval_check(const Recording& truth) {

@@ -5,6 +5,11 @@ import runs
 from scores import DETECTED
 
 
+def tier_of(path):
+    """The runs that judge a file: the text of gpu/ and what runs it on a CPU are executed by the back end simt alone."""
+    return "simt" if path.startswith(("gpu/", "emulation/simt/", "emulation/check/")) else "emulator"
+
+
 def step_of(fault, steps, folder):
     """(kind, name, words, seconds) of the first step that does not pass; kind is passed or not-executed otherwise."""
     ran, seconds = False, 0.0
@@ -32,13 +37,13 @@ def wants_tests(result):
 def is_done(result, steps, tests):
     if result["verdict"] in DETECTED:
         return True
-    tier = steps["simt" if result["path"].startswith("gpu/") else "emulator"]
+    tier = steps[tier_of(result["path"])]
     return all(step.name in result["tried"] for step in tier) and not (tests and wants_tests(result))
 
 
 def judge(fault, steps, tests, folder, before):
     """`before`: what a former call found, with fewer steps or without tests."""
-    tier = steps["simt" if fault["path"].startswith("gpu/") else "emulator"]
+    tier = steps[tier_of(fault["path"])]
     keep = ("key", "path", "line", "function", "operator", "original", "text")
     result = dict(before) if before else {k: fault[k] for k in keep} | {"verdict": "not-executed", "tried": [], "seconds": 0}
     rest = [step for step in tier if step.name not in result["tried"]]
