@@ -12,6 +12,7 @@
 #include "reference/base/error.h"
 #include "reference/base/memory.h"
 #include "reference/bvh/binary_bvh.h"
+#include "reference/bvh/reinsertion.h"
 #include "reference/bvh/wide_bvh_compaction.h"
 #include "reference/contract/wide_bvh.h"
 
@@ -140,7 +141,8 @@ WideBvh serialise(const Scene& scene, const BinaryBvh& binary, Shape shape) {
 
 template <int Width>
 WideBvh build(const Scene& scene, int max_leaf_size) {
-    const BinaryBvh binary = build_binary_bvh(scene);
+    BinaryBvh binary = build_binary_bvh(scene);
+    optimise_by_reinsertion(binary);
     return serialise<Width>(scene, binary, make_shape(binary, Width, max_leaf_size));
 }
 

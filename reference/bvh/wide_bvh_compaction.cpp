@@ -9,13 +9,6 @@ namespace {
 /// Added to every relative area, so that of nodes without area the fewest are made.
 constexpr double kLeastArea = 1.0e-9;
 
-double half_area(const BinaryNode& node) {
-    const double x = double{node.high.x} - double{node.low.x};
-    const double y = double{node.high.y} - double{node.low.y};
-    const double z = double{node.high.z} - double{node.low.z};
-    return x * y + y * z + z * x;
-}
-
 /// [i]: the least cost of a subtree as at most i nodes, i from 1 on.
 using Costs = std::array<double, kMaxWidth + 1>;
 

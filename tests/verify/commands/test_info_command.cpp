@@ -40,6 +40,19 @@ TEST_CASE("info: a file's JSON says what is in it and what was made of it", "[ve
     CHECK(nlohmann::json::parse(dark.out)["lights"]["directional"] == 0);
 }
 
+TEST_CASE("info: --tree says what reinsertion gained, and how long it took",
+          "[verify][cli][info]") {
+    const Result info = scotty_here("info coil --tree");
+    CHECK(info.exit_code == 0);
+    CHECK_THAT(info.out, Contains("tree           expected inner nodes of a ray"));
+    const Result json = scotty_here("info coil --tree --json");
+    const nlohmann::json tree = nlohmann::json::parse(json.out)["tree"];
+    CHECK(tree["cost_optimised"].get<double>() < tree["cost_built"].get<double>());
+    CHECK(tree["seconds_built"].get<double>() > 0.0);
+    CHECK(tree["seconds_optimised"].get<double>() > 0.0);
+    CHECK_FALSE(nlohmann::json::parse(scotty_here("info coil --json").out).contains("tree"));
+}
+
 TEST_CASE("info: what cannot be read is bad input", "[verify][cli][info]") {
     const Result info = scotty_here("info nosuchscene");
     CHECK(info.exit_code == 2);

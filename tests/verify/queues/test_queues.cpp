@@ -465,7 +465,7 @@ std::string name_of(const Mode& mode) {
 
 std::vector<Mode> all_modes() {
     std::vector<Mode> out;
-    for (const std::uint32_t queue_levels : {0u, 1u, 2u}) {
+    for (const std::uint32_t queue_levels : {0u, 1u, 3u}) {
         for (const HitMode hit_mode : {HitMode::buffer, HitMode::packed}) {
             for (const EarlyOut early_out : {EarlyOut::off, EarlyOut::level, EarlyOut::immediate}) {
                 for (const bool parts : {false, true}) {

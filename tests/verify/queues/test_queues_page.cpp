@@ -169,7 +169,7 @@ TEST_CASE("queues page: where room is short the launches around the divergence g
           "[queues][page]") {
     const Runs& runs = small_runs();
     PageRequest request;
-    request.room = 330'000;
+    request.room = 200'000;
     const json page = queues_page_data(runs.of_a, &runs.of_b, request);
     const auto at = page["first"]["launch"].get<std::size_t>();
     std::size_t embedded = 0;
