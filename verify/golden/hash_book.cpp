@@ -91,9 +91,7 @@ Hashes scene_hashes(const std::string& scene, const reference::Scene& data) {
 
 Hashes tree_hashes(const std::string& scene, const PipelineParameters& parameters,
                    const reference::WideBvh& bvh) {
-    const std::string options = fmt::format(
-        "{} --queue-levels {}", reference::options_of(parameters, {ParameterGroup::tree}),
-        parameters.queue_levels);
+    const std::string options = reference::options_of(parameters, {ParameterGroup::tree});
     return {{named("tree", scene, options), fingerprint(bvh)}};
 }
 

@@ -34,7 +34,7 @@ Hashes read_hashes(const std::filesystem::path& file);
 
 /// Of a scene as the renderer gets it: "scene S".
 Hashes scene_hashes(const std::string& scene, const reference::Scene& data);
-/// Of the tree that these parameters make: "tree S --width 8 --max-leaf-size 4 --queue-levels 0".
+/// Of the tree that these parameters make: "tree S --width 8 --leaf-size 4 --queue-levels 0".
 Hashes tree_hashes(const std::string& scene, const reference::PipelineParameters& parameters,
                    const reference::WideBvh& bvh);
 /// Of everything that a picture is made of, whatever the way to make it: "rays S --size 5x3 ...",
