@@ -1,5 +1,5 @@
-/// A back end's run as a capture in the temporary folder, which goes with this object or when a
-/// signal ends the program.
+/// A back end's run as a capture in memory, with its input and what is too large in the temporary
+/// folder. Both go with this object, the folder also when a signal ends the program.
 #pragma once
 
 #include <optional>

@@ -40,6 +40,11 @@ Capture Capture::open(const std::filesystem::path& directory) {
     return capture;
 }
 
+Capture::Capture(std::filesystem::path directory, CaptureIndex index, KeptBuffers kept)
+    : directory_(std::move(directory)),
+      index_(std::move(index)),
+      kept_(std::make_shared<const KeptBuffers>(std::move(kept))) {}
+
 const StageRecord* Capture::find(std::string_view name) const {
     for (const StageRecord& stage : index_.stages) {
         if (stage.name == name) return &stage;
@@ -48,6 +53,7 @@ const StageRecord* Capture::find(std::string_view name) const {
 }
 
 bool Capture::has_buffers() const {
+    if (kept_) return true;
     std::error_code error;
     return std::filesystem::is_directory(directory_ / "buffers", error);
 }
@@ -61,6 +67,12 @@ bool Capture::covers(std::string_view name) const {
 }
 
 OwnedBuffer Capture::load(const StageRecord& stage, const BufferRecord& buffer) const {
+    if (kept_) {
+        const auto kept = kept_->find(buffer.file);
+        if (kept != kept_->end()) {
+            return {buffer.name, buffer.type, buffer.shape, buffer.meaning, kept->second};
+        }
+    }
     const std::filesystem::path file = directory_ / buffer.file;
     const std::string whose = fmt::format("{} of {}", buffer.name, stage.name);
     std::error_code error;

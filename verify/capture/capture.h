@@ -4,7 +4,10 @@
 #include <cstddef>
 #include <deque>
 #include <filesystem>
+#include <memory>
+#include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "reference/contract/owned_buffer.h"
@@ -22,11 +25,18 @@ struct LoadedStage {
     void add_output(reference::OwnedBuffer buffer);
 };
 
+/// Bytes of buffers that a run of this program has kept, by the name that their file would have.
+using KeptBuffers = std::unordered_map<std::string, std::vector<std::byte>>;
+
 class Capture {
  public:
     /// Throws bad_input naming file and element: no such directory, no capture, another version,
     /// an index that is cut short or not as docs/captures.md says. Buffers are read later.
     static Capture open(const std::filesystem::path& directory);
+
+    /// Of a run of this program, which has kept buffers in memory; what it has not kept is read
+    /// from the directory.
+    Capture(std::filesystem::path directory, CaptureIndex index, KeptBuffers kept);
 
     const std::filesystem::path& directory() const { return directory_; }
     const CaptureHeader& header() const { return index_.header; }
@@ -45,8 +55,11 @@ class Capture {
     LoadedStage load(const StageRecord& stage) const;
 
  private:
+    Capture() = default;
+
     std::filesystem::path directory_;
     CaptureIndex index_;
+    std::shared_ptr<const KeptBuffers> kept_;  ///< null: all are in files
 };
 
 /// The record's place and sizes as a view without buffers.

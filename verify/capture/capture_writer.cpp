@@ -94,7 +94,7 @@ void ReplacedDirectory::finish() {
 
 CaptureWriter::CaptureWriter(const fs::path& directory, CaptureHeader header,
                              std::vector<std::string> patterns)
-    : directory_(directory) {
+    : target_(directory), directory_(directory) {
     index_.header = std::move(header);
     index_.header.patterns = std::move(patterns);
     fs::create_directories(directory_.path() / "buffers");
@@ -152,9 +152,20 @@ BufferRecord CaptureWriter::store(const StageView& stage, const BufferView& buff
     // Equal bytes of another type or shape are another file.
     const std::string address = npy_header(buffer.type, buffer.shape) + record.hash;
     record.file = fmt::format("buffers/{}.npy", hash_text(address.data(), address.size()));
-    const fs::path file = directory_.path() / record.file;
-    if (!fs::exists(file)) write_npy(file, buffer.type, buffer.shape, data, buffer.bytes);
+    write(record.file, buffer, data);
     return record;
+}
+
+void CaptureWriter::write(const std::string& name, const BufferView& buffer, const void* data) {
+    if (kept_.contains(name)) return;
+    if (buffer.bytes <= memory_left_) {
+        const auto* first = static_cast<const std::byte*>(data);
+        kept_.emplace(name, std::vector<std::byte>(first, first + buffer.bytes));
+        memory_left_ -= buffer.bytes;
+        return;
+    }
+    const fs::path file = directory_.path() / name;
+    if (!fs::exists(file)) write_npy(file, buffer.type, buffer.shape, data, buffer.bytes);
 }
 
 void CaptureWriter::on_retry(std::string_view stage, std::string_view /*reason*/) {
@@ -187,6 +198,11 @@ void CaptureWriter::finish() {
     remove_unreferenced();
     reference::write_file(directory_.path() / kIndexFile, to_json(index_).dump(1) + "\n");
     directory_.finish();
+}
+
+Capture CaptureWriter::finish_here() {
+    directory_.finish();
+    return {target_, std::move(index_), std::move(kept_)};
 }
 
 }  // namespace scotty::verify
