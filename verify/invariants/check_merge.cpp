@@ -62,24 +62,6 @@ void check_kept_out(CheckState& state, const StageView& stage, std::span<const H
     }
 }
 
-/// The traversal must not end while rays still wait in a queue.
-void check_nothing_waits(CheckState& state, const StageView& stage) {
-    const auto& counts = state.traversal.node_counts;
-    const std::uint32_t level = state.traversal.level + 1;
-    for (std::uint32_t node = 0; node < counts.size(); ++node) {
-        if (counts[node] == 0) continue;
-        Failure failure = failure_at(stage, invariant::kHandOver,
-                                     "the traversal ended while rays waited in a queue");
-        failure.level = level;
-        failure.node = state.bvh.level_begins[level] + node;
-        failure.field = buffers::node_counts.name;
-        failure.expected = std::to_string(0);
-        failure.found = std::to_string(counts[node]);
-        state.add(std::move(failure));
-        return;
-    }
-}
-
 }  // namespace
 
 void check_merge(CheckState& state, const StageView& stage) {
@@ -88,12 +70,6 @@ void check_merge(CheckState& state, const StageView& stage) {
     const auto n = static_cast<std::uint32_t>(rays.size());
     const auto merged = expect_buffer(state, stage, buffers::merged, n);
     if (merged.empty()) return;
-    if (traversal.running) {
-        check_nothing_waits(state, stage);
-        expect_same<Ray>(state, stage, invariant::kHandOver, buffers::rays.name, traversal.rays,
-                         rays, true, "the rays changed in the middle of a traversal",
-                         [](const Ray& ray) { return exact(ray); });
-    }
     const bool packed_mode = state.parameters.hit_mode == HitMode::packed;
     const auto packed = stage.get(buffers::packed_hits);
     const auto counts = stage.get(buffers::hit_counts);

@@ -374,18 +374,6 @@ void check_queues(CheckState& state, const StageView& stage) {
     launch.child_queue = stage.get(buffers::child_queue);
     if (stage.level == 0) launch.queue = {};
     if (launch.counts.empty() || (stage.level > 0 && launch.offsets.empty())) return;
-    // At the root the rays are those generated for this traversal.
-    const std::vector<Ray> none;
-    const bool shadow = stage.light != kNotApplicable;
-    const std::vector<Ray>& made = stage.bounce == kNotApplicable
-                                       ? none
-                                       : (shadow ? state.paths.shadow_rays : state.paths.rays);
-    if (!expect_same<Ray>(state, stage, invariant::kHandOver, buffers::rays.name,
-                          stage.level == 0 ? made : traversal.rays, launch.rays, true,
-                          "not the rays that this traversal was given",
-                          [](const Ray& ray) { return exact(ray); })) {
-        return;
-    }
     if (!check_input_queue(state, launch)) return;
 
     launch.block_offsets = stage.get(buffers::block_offsets);

@@ -56,13 +56,6 @@ void check_scan(CheckState& state, const StageView& stage) {
     const auto blocks = expect_buffer(state, stage, buffers::block_offsets, nodes + 1);
     const auto regions = expect_buffer(state, stage, buffers::child_offsets, children + 1);
     if (counts.empty()) return;
-    const TraversalState& traversal = state.traversal;
-    if (level > 0 && traversal.running) {
-        expect_same<std::uint32_t>(state, stage, invariant::kHandOver, buffers::node_counts.name,
-                                   traversal.node_counts, counts, false,
-                                   "not the counts that the level before has pushed",
-                                   [](std::uint32_t count) { return std::to_string(count); });
-    }
     const auto per_block = static_cast<std::uint32_t>(state.parameters.rays_per_block);
     expect_scan(state, stage, buffers::block_offsets.name, blocks, first, [&](std::uint32_t node) {
         return (std::uint64_t{counts[node]} + per_block - 1) / per_block;

@@ -15,8 +15,6 @@ namespace {
 /// Directions are normalised in float: this is 80 units in the last place.
 constexpr float kUnitTolerance = 1.0e-5f;
 
-std::string describe_hit(const Hit& hit) { return exact(hit); }
-
 /// Checks that rays are finite (check_finite reports), and dead or of unit direction.
 void check_ray_records(CheckState& state, const StageView& stage, std::string_view field,
                        std::span<const Ray> rays) {
@@ -100,9 +98,6 @@ void check_direct_light_rays(CheckState& state, const StageView& stage) {
     const std::size_t n = hits.size();
     const auto shadow = expect_buffer(state, stage, buffers::shadow_rays, n);
     const auto potential = expect_buffer(state, stage, buffers::potential, n);
-    expect_same<Hit>(state, stage, invariant::kHandOver, buffers::path_hits.name,
-                     state.paths.path_hits, hits, true,
-                     "the path's own hits changed since they were merged", describe_hit);
     check_ray_records(state, stage, buffers::shadow_rays.name, shadow);
     for (std::size_t i = 0; i < shadow.size() && i < potential.size(); ++i) {
         if (!is_hit(hits[i]) && !is_dead(shadow[i])) {
@@ -127,13 +122,6 @@ void check_resolve_light(CheckState& state, const StageView& stage) {
     const auto potential = expect_buffer(state, stage, buffers::potential, n);
     const auto radiance = expect_buffer(state, stage, buffers::radiance, n);
     const PathState& paths = state.paths;
-    expect_same<Hit>(state, stage, invariant::kHandOver, buffers::shadow_hits.name,
-                     paths.shadow_hits, hits, true,
-                     "the shadow rays' hits changed since they were merged", describe_hit);
-    expect_same<Vec3>(state, stage, invariant::kHandOver, buffers::potential.name, paths.potential,
-                      potential, true,
-                      "the potential radiance changed since the shadow rays were made",
-                      [](const Vec3& value) { return exact(value); });
     if (paths.radiance.size() != n || paths.shadow_rays.size() != n) return;
     for (std::size_t i = 0; i < potential.size() && i < radiance.size(); ++i) {
         const bool lit = !is_hit(hits[i]) && !is_dead(paths.shadow_rays[i]);
@@ -160,9 +148,6 @@ void check_scene_rays(CheckState& state, const StageView& stage) {
         return;
     }
     const PathState& paths = state.paths;
-    expect_same<Hit>(state, stage, invariant::kHandOver, buffers::path_hits.name, paths.path_hits,
-                     hits, true, "the path's own hits changed since they were merged",
-                     describe_hit);
     check_ray_records(state, stage, buffers::rays.name, rays);
     const bool last = stage.bounce != kNotApplicable && stage.bounce >= state.parameters.bounces;
     for (std::size_t i = 0; i < n; ++i) {
@@ -221,10 +206,6 @@ void check_image(CheckState& state, const StageView& stage) {
     if (pixel.size() != radiance.size() || image.size() != pixels || variance.size() != pixels) {
         return;
     }
-    expect_same<Vec3>(state, stage, invariant::kHandOver, buffers::radiance.name,
-                      state.paths.radiance, radiance, true,
-                      "the radiance changed after the last bounce",
-                      [](const Vec3& value) { return exact(value); });
     ImageState& sums = state.image;
     sums.summed.resize(pixels, 0);
     sums.sum.resize(pixels, Vec3(0.0f, 0.0f, 0.0f));

@@ -72,6 +72,7 @@ struct HandOver {
     struct Written {
         std::vector<std::byte> bytes;
         std::string stage;
+        bool was_read = false;  ///< nobody wrote it: what `stage`, the first to read it, has seen
     };
     std::map<Key, Written> written;
 };
@@ -158,8 +159,8 @@ void check_scattered_paths(CheckState& state, const reference::StageView& stage)
 void check_filter(CheckState& state, const reference::StageView& stage);
 /// Checks that every value that has to be finite is.
 void check_finite(CheckState& state, const reference::StageView& stage);
-/// Checks that the stage reads what stages before it have written.
-void check_hand_over(CheckState& state, const reference::StageView& stage);
+/// Checks that the stage reads what stages before it have written; false where it does not.
+bool check_hand_over(CheckState& state, const reference::StageView& stage);
 
 // These record what later stages are checked against; they run whether or not the stage is judged.
 void begin_traversal(CheckState& state, const reference::StageView& stage);

@@ -65,7 +65,7 @@ Failure failure_at(const StageView& stage, const char* invariant, std::string se
 
 void InvariantChecker::on_stage(const StageView& stage) {
     State& state = *state_;
-    const bool judged = stage_matches(state.settings.stage_pattern, stage.name);
+    bool judged = stage_matches(state.settings.stage_pattern, stage.name);
     const bool starts =
         stage.level == 0 &&
         (stage.kind == StageKind::scan_counts ||
@@ -76,7 +76,8 @@ void InvariantChecker::on_stage(const StageView& stage) {
         ++state.counts.stages;
         check_finite(state, stage);
     }
-    const std::uint64_t failures = state.counts.failures;
+    // What was made of wrong inputs is not this stage's fault.
+    if (judged) judged = check_hand_over(state, stage);
     const bool recomputed = judged && state.settings.recompute_shading;
     switch (stage.kind) {
         case StageKind::scan_counts:
@@ -128,8 +129,6 @@ void InvariantChecker::on_stage(const StageView& stage) {
             if (judged) check_filter(state, stage);
             break;
     }
-    // A check of its own kind says more.
-    if (judged && state.counts.failures == failures) check_hand_over(state, stage);
     follow_hand_over(state, stage);
 }
 
