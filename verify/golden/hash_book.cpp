@@ -23,7 +23,7 @@ using reference::PipelineParameters;
 
 namespace {
 
-constexpr std::array kParts{"scene", "tree", "rays", "hits", "image", "work", kWorkOfText};
+constexpr std::array kParts{"table", "scene", "tree", "rays", "hits", "image", "work", kWorkOfText};
 constexpr std::size_t kDigits = 16;
 
 /// XXH64, going on from what was hashed before.
@@ -84,6 +84,8 @@ Hashes read_hashes(const std::filesystem::path& file) {
     }
     return hashes;
 }
+
+std::uint64_t hash_of_text(std::string_view text) { return hash_of(text.data(), text.size(), 0); }
 
 Hashes scene_hashes(const std::string& scene, const reference::Scene& data) {
     return {{fmt::format("scene {}", scene), fingerprint(data)}};

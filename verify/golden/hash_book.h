@@ -10,6 +10,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -32,6 +33,12 @@ std::string to_text(const Hashes& hashes);
 /// Throws bad_input naming file and line.
 Hashes read_hashes(const std::filesystem::path& file);
 
+/// XXH64.
+std::uint64_t hash_of_text(std::string_view text);
+
+/// Of the contract's tables of parameters (with their defaults), buffers and stages: "table of
+/// ...".
+Hashes table_hashes();
 /// Of a scene as the renderer gets it: "scene S".
 Hashes scene_hashes(const std::string& scene, const reference::Scene& data);
 /// Of the tree that these parameters make: "tree S --width 8 --leaf-size 4 --queue-levels 0".
@@ -66,8 +73,8 @@ class HashBook {
     HashBook(Hashes golden, bool complete) : golden_(std::move(golden)), complete_(complete) {}
 
     bool records() const { return !golden_; }
-    /// The failures of these hashes, in the order of scene, tree, rays, hits, image and work, as
-    /// each makes the next. May be called by several threads at a time.
+    /// The failures of these hashes, in the order of tables, scene, tree, rays, hits, image and
+    /// work, as each makes the next. May be called by several threads at a time.
     std::vector<Failure> look_up(const Hashes& found);
 
     std::uint64_t compared() const { return compared_; }

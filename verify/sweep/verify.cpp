@@ -144,6 +144,7 @@ class SceneVerification {
     /// why.
     void judge_hashes() {
         if (settings_.hashes == nullptr || !report_.passed()) return;
+        hashes_.merge(table_hashes());
         hashes_.merge(scene_hashes(source(), scene_));
         std::vector<Failure> failures = settings_.hashes->look_up(hashes_);
         if (failures.empty()) return;

@@ -50,11 +50,11 @@ TEST_CASE("hash book: a run leaves a hash of scene, trees, rays, hits, image and
     std::vector<std::string> parts;
     for (const auto& [what, hash] : recorded_hashes()) {
         CAPTURE(what);
-        CHECK_THAT(what, Contains(" cornell"));
+        if (part_of(what) != "table") CHECK_THAT(what, Contains(" cornell"));
         CHECK(hash != 0);
         parts.push_back(part_of(what));
     }
-    for (const char* part : {"scene", "tree", "rays", "hits", "image", "work"}) {
+    for (const char* part : {"table", "scene", "tree", "rays", "hits", "image", "work"}) {
         CHECK(std::count(parts.begin(), parts.end(), part) >= 1);
     }
     HashBook again;
@@ -87,7 +87,7 @@ TEST_CASE("hash book: the first failure is of what makes the others", "[verify][
     HashBook book(golden, true);
     const std::vector<Failure> failures = book.look_up(recorded_hashes());
     REQUIRE(failures.size() == recorded_hashes().size());
-    CHECK(failures.front().stage == "scene");
+    CHECK(failures.front().stage == "table");
     CHECK(failures.back().stage == "work");
 }
 
