@@ -8,6 +8,7 @@
 #include "tests/scenes/temporary_files.h"
 
 using namespace scotty;
+using Catch::Matchers::Contains;
 using nlohmann::json;
 using reference::Scene;
 using reference::Vec3;
@@ -167,7 +168,7 @@ TEST_CASE("gltf: a matrix places as its parts do", "[scenes][gltf]") {
 TEST_CASE("gltf: a matrix that is rounded is read, a perspective is an error", "[scenes][gltf]") {
     const auto with_row = [](const std::array<double, 4>& row) {
         const json matrix = {1, 0, 0, row[0], 0, 1, 0, row[1], 0, 0, 1, row[2], 2, 0, 0, row[3]};
-        return tests::load_gltf(square_gltf({{"matrix", matrix}}));
+        return tests::load_gltf(tests::square_gltf({{"matrix", matrix}}));
     };
     CHECK(with_row({0, 0, 0, 1}).vertices[0] == Vec3(1, -1, 0));
     CHECK(with_row({1e-9, -1e-10, 0, 1.0000002}).vertices[0] == Vec3(1, -1, 0));

@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "emulation/host/pipeline.h"
 #include "reference/base/error.h"
 #include "reference/contract/wide_bvh.h"
 #include "reference/truth/tracers.h"
