@@ -155,6 +155,7 @@ std::variant<Action, int> read_command_line(int argc, char** argv) {
     add_bench_command(app, action);
     add_analyze_command(app, action);
     add_doctor_command(app, action);
+    add_check_command(app, action);
     add_capture_command(app, action);
     add_diff_command(app, action, join(argc, argv));
     add_replay_command(app, action);

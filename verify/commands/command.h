@@ -20,6 +20,7 @@ void add_verify_command(CLI::App& app, Action& action, const std::string& comman
 void add_bench_command(CLI::App& app, Action& action);
 void add_analyze_command(CLI::App& app, Action& action);
 void add_doctor_command(CLI::App& app, Action& action);
+void add_check_command(CLI::App& app, Action& action);
 void add_capture_command(CLI::App& app, Action& action);
 void add_diff_command(CLI::App& app, Action& action, const std::string& command_line);
 void add_replay_command(CLI::App& app, Action& action);
