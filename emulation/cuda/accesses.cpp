@@ -83,7 +83,7 @@ HostMemory host_memory(const void* address) {
 }  // namespace
 
 void Machine::access(Access access, const void* address, std::size_t bytes, const void* place,
-                     bool block_scope) {
+                     bool block_scope, bool aligned) {
     Thread& thread = *current_thread;
     if (thread.stack->holds(address) || scotty_cuda::is_builtin(address)) return;  // its own
     const auto* const at = static_cast<const std::byte*>(address);
@@ -95,12 +95,13 @@ void Machine::access(Access access, const void* address, std::size_t bytes, cons
         access = Access::flag_write;
     }
     if (access == Access::volatile_read || access == Access::flag_write) ++thread.polls;
-    if (writes(access)) ++changes_;
     ++thread.accesses;
+    may_poll(thread);  // before anything is looked at: others run here
+    if (writes(access) && access != Access::atomic) ++changes_;  // atomics say so themselves
     if (thread.block->holds_shared(at)) {
         Region* const region = shared_region(*thread.block, at);
         if (region != nullptr && at + bytes <= region->begin + region->bytes) {
-            check(*region, access, at, bytes, offset, block_scope);
+            check(*region, access, at, bytes, offset, block_scope, aligned);
         } else {
             report_memory(FindingKind::bounds, region,
                           region == nullptr
@@ -119,7 +120,7 @@ void Machine::access(Access access, const void* address, std::size_t bytes, cons
                               ", across its end",
                           access, offset);
         } else {
-            check(*region, access, at, bytes, offset, block_scope);
+            check(*region, access, at, bytes, offset, block_scope, aligned);
         }
     } else {
         check_elsewhere(access, at, bytes, offset);
@@ -131,6 +132,7 @@ void Machine::access(Access access, const void* address, std::size_t bytes, cons
             const auto own = found->second.by_block.find(thread.block->index);
             if (own != found->second.by_block.end()) heard = join(heard, own->second);
             thread.read = join(thread.read, heard);
+            thread.knows_more = true;
         } else if (access == Access::flag_write) {
             Channel& channel = channels_[at];
             channel = {};
@@ -140,7 +142,6 @@ void Machine::access(Access access, const void* address, std::size_t bytes, cons
             }
         }
     }
-    may_poll(thread);
 }
 
 Region* Machine::shared_region(Block& block, const std::byte* at) {
@@ -152,7 +153,7 @@ Region* Machine::shared_region(Block& block, const std::byte* at) {
 }
 
 void Machine::check(Region& region, Access access, const std::byte* at, std::size_t bytes,
-                    std::uint32_t place, bool block_scope) {
+                    std::uint32_t place, bool block_scope, bool aligned) {
     Thread& thread = *current_thread;
     const auto first = static_cast<std::size_t>(at - region.begin);
     if (region.kind == RegionKind::constant) {
@@ -163,10 +164,12 @@ void Machine::check(Region& region, Access access, const std::byte* at, std::siz
         return;
     }
     const bool whole = (bytes & (bytes - 1)) == 0 && bytes <= 16;
-    if (whole && (reinterpret_cast<std::uintptr_t>(at) & (bytes - 1)) != 0) {
+    // The compiler asks no more than 8 of any type.
+    const std::size_t multiple = std::min<std::size_t>(bytes, 8);
+    if (aligned && whole && reinterpret_cast<std::uintptr_t>(at) % multiple != 0) {
         report_memory(FindingKind::misaligned, &region,
                       memory_text(region, first) + ", " + std::to_string(bytes) +
-                          " bytes at an address that is no multiple of " + std::to_string(bytes),
+                          " bytes at an address that is no multiple of " + std::to_string(multiple),
                       access, place);
     }
     if (region.unwritten != nullptr) {
@@ -215,7 +218,7 @@ void Machine::report_race(const Region& region, std::size_t byte, Access access,
                                                                     : FindingKind::race;
     finding.kernel = info_.kernel;
     finding.what = memory_text(region, byte);
-    if (other.block_scope || (access == Access::atomic && other.access == Access::atomic)) {
+    if (access == Access::atomic && other.access == Access::atomic) {
         finding.what += ", atomically but in a scope that does not reach the other block";
     }
     finding.one = actor(thread, place, verb(access));

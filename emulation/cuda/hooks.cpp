@@ -20,9 +20,10 @@ namespace {
 /// Where the arena lies, as soon as there is a machine: host code asks at every access.
 bool in_arena(const void* address) { return Machine::get().memory().in_arena(address); }
 
-inline void note(Access access, const void* address, std::size_t bytes, const void* place) {
+inline void note(Access access, const void* address, std::size_t bytes, const void* place,
+                 bool aligned = true) {
     if (current_thread != nullptr) {
-        Machine::get().access(access, address, bytes, place);
+        Machine::get().access(access, address, bytes, place, false, aligned);
         return;
     }
     if (in_arena(address)) {
@@ -34,8 +35,8 @@ inline void note(Access access, const void* address, std::size_t bytes, const vo
 /// Copies may touch much: a kernel's is looked at as a whole.
 void note_copy(void* to, const void* from, std::size_t bytes, const void* place) {
     if (bytes == 0) return;
-    note(Access::read, from, bytes, place);
-    note(Access::write, to, bytes, place);
+    note(Access::read, from, bytes, place, false);
+    note(Access::write, to, bytes, place, false);
 }
 
 void* kernel_heap(std::size_t bytes, const void* place) {
@@ -64,22 +65,26 @@ bool free_in_kernel(void* memory, const void* place) {
 // The names and the types are the compiler's and the C library's.
 // NOLINTBEGIN
 #define SCOTTY_PLACE __builtin_return_address(0)
-#define SCOTTY_PLAIN(bytes)                                                                      \
-    void __tsan_read##bytes(void* a) { note(Access::read, a, bytes, SCOTTY_PLACE); }             \
-    void __tsan_write##bytes(void* a) { note(Access::write, a, bytes, SCOTTY_PLACE); }           \
-    void __tsan_unaligned_read##bytes(void* a) { note(Access::read, a, bytes, SCOTTY_PLACE); }   \
-    void __tsan_unaligned_write##bytes(void* a) { note(Access::write, a, bytes, SCOTTY_PLACE); } \
-    void __tsan_volatile_read##bytes(void* a) {                                                  \
-        note(Access::volatile_read, a, bytes, SCOTTY_PLACE);                                     \
-    }                                                                                            \
-    void __tsan_volatile_write##bytes(void* a) {                                                 \
-        note(Access::volatile_write, a, bytes, SCOTTY_PLACE);                                    \
-    }                                                                                            \
-    void __tsan_unaligned_volatile_read##bytes(void* a) {                                        \
-        note(Access::volatile_read, a, bytes, SCOTTY_PLACE);                                     \
-    }                                                                                            \
-    void __tsan_unaligned_volatile_write##bytes(void* a) {                                       \
-        note(Access::volatile_write, a, bytes, SCOTTY_PLACE);                                    \
+#define SCOTTY_PLAIN(bytes)                                                            \
+    void __tsan_read##bytes(void* a) { note(Access::read, a, bytes, SCOTTY_PLACE); }   \
+    void __tsan_write##bytes(void* a) { note(Access::write, a, bytes, SCOTTY_PLACE); } \
+    void __tsan_unaligned_read##bytes(void* a) {                                       \
+        note(Access::read, a, bytes, SCOTTY_PLACE, false);                             \
+    }                                                                                  \
+    void __tsan_unaligned_write##bytes(void* a) {                                      \
+        note(Access::write, a, bytes, SCOTTY_PLACE, false);                            \
+    }                                                                                  \
+    void __tsan_volatile_read##bytes(void* a) {                                        \
+        note(Access::volatile_read, a, bytes, SCOTTY_PLACE);                           \
+    }                                                                                  \
+    void __tsan_volatile_write##bytes(void* a) {                                       \
+        note(Access::volatile_write, a, bytes, SCOTTY_PLACE);                          \
+    }                                                                                  \
+    void __tsan_unaligned_volatile_read##bytes(void* a) {                              \
+        note(Access::volatile_read, a, bytes, SCOTTY_PLACE, false);                    \
+    }                                                                                  \
+    void __tsan_unaligned_volatile_write##bytes(void* a) {                             \
+        note(Access::volatile_write, a, bytes, SCOTTY_PLACE, false);                   \
     }
 #define SCOTTY_FETCH(bits, name)                                                            \
     std::uint##bits##_t __tsan_atomic##bits##_fetch_##name(volatile std::uint##bits##_t* a, \
@@ -124,8 +129,8 @@ SCOTTY_PLAIN(2)
 SCOTTY_PLAIN(4)
 SCOTTY_PLAIN(8)
 SCOTTY_PLAIN(16)
-void __tsan_read_range(void* a, std::size_t n) { note(Access::read, a, n, SCOTTY_PLACE); }
-void __tsan_write_range(void* a, std::size_t n) { note(Access::write, a, n, SCOTTY_PLACE); }
+void __tsan_read_range(void* a, std::size_t n) { note(Access::read, a, n, SCOTTY_PLACE, false); }
+void __tsan_write_range(void* a, std::size_t n) { note(Access::write, a, n, SCOTTY_PLACE, false); }
 SCOTTY_ATOMIC(8)
 SCOTTY_ATOMIC(16)
 SCOTTY_ATOMIC(32)
@@ -153,7 +158,7 @@ void* __wrap_memmove(void* to, const void* from, std::size_t bytes) {
     return std::memmove(to, from, bytes);
 }
 void* __wrap_memset(void* to, int value, std::size_t bytes) {
-    if (bytes != 0) note(Access::write, to, bytes, SCOTTY_PLACE);
+    if (bytes != 0) note(Access::write, to, bytes, SCOTTY_PLACE, false);
     return std::memset(to, value, bytes);
 }
 void* __wrap_malloc(std::size_t bytes) {

@@ -1,6 +1,6 @@
 #include "emulation/cuda/machine.h"
 
-#include <sys/mman.h>
+#include <ucontext.h>
 
 #include <algorithm>
 #include <csignal>
@@ -38,9 +38,17 @@ std::string dim_text(const Dim& dim) {
 }
 
 sigjmp_buf* way_out = nullptr;
+const void* failed_at = nullptr;  ///< the instruction, where the system tells
 
 /// Only code without instrumentation comes here: every other access was looked at before.
-void on_bad_address(int signal) {
+void on_bad_address(int signal, siginfo_t*, void* state) {
+    failed_at = nullptr;
+#if defined(__x86_64__)
+    const auto* const context = static_cast<const ucontext_t*>(state);
+    failed_at = reinterpret_cast<const void*>(context->uc_mcontext.gregs[REG_RIP]);
+#else
+    static_cast<void>(state);
+#endif
     if (current_thread != nullptr && way_out != nullptr) ::siglongjmp(*way_out, signal);
     std::signal(signal, SIG_DFL);
     ::raise(signal);
@@ -54,8 +62,8 @@ void catch_bad_addresses() {
     ::sigaltstack(&alternate, nullptr);
     for (const int signal : {SIGSEGV, SIGBUS, SIGFPE}) {
         struct sigaction action {};
-        action.sa_handler = on_bad_address;
-        action.sa_flags = SA_NODEFER | SA_ONSTACK;
+        action.sa_sigaction = on_bad_address;
+        action.sa_flags = SA_NODEFER | SA_ONSTACK | SA_SIGINFO;
         ::sigaction(signal, &action, nullptr);
     }
 }
@@ -132,7 +140,10 @@ void Machine::launch(const LaunchInfo& info, void (*run)(void*), void* arguments
         finding.what = signal == SIGFPE ? "a division by zero"
                                         : "memory that is not there, or a stack that is full, is "
                                           "used after the place below";
-        finding.one = actor(thread, thread.last_place, "fails");
+        const bool known = failed_at != nullptr;
+        const std::uint32_t place =
+            known ? offset_in_text(static_cast<const char*>(failed_at) + 1) : thread.last_place;
+        finding.one = actor(thread, place, "fails");
         findings_.add(finding);
         set_error(kIllegalAddress);
         sticky_ = true;
@@ -178,6 +189,8 @@ Block* Machine::begin_block(std::uint32_t index) {
     block->at = block_of(index, info_.grid);
     block->base = 1;
     block->abandoned = false;
+    block->asks_active = false;
+    block->has_left = false;
     block->pass = 0;
     block->objects.clear();
     block->shared_used = 0;
@@ -218,6 +231,7 @@ void Machine::thread_entry() {
                            current_thread->last_place, kLaunchFailure);
     }
     Thread& thread = *current_thread;
+    thread.block->has_left = true;
     thread.state = thread.left_said ? ThreadState::left_early : ThreadState::left_at_end;
     ++machine.changes_;
     machine.close_writes(thread);
@@ -250,51 +264,54 @@ void Machine::may_poll(Thread& thread) {
 
 bool Machine::run_block(Block& block) {
     const auto warps = static_cast<std::uint32_t>((block.threads.size() + kWarp - 1) / kWarp);
+    const std::uint64_t seed =
+        simt::mixed(schedule_.seed, launch_, std::uint64_t{block.index} << 20 ^ block.pass++);
+    thread_order_.start_block(schedule_.kind, seed, warps);
     for (;;) {
-        thread_order_.start_block(
-            schedule_.kind,
-            simt::mixed(schedule_.seed, launch_, std::uint64_t{block.index} << 20 ^ block.pass++),
-            warps);
         thread_order_.start_phase();
-        bool polls = true;
-        const bool ran = run_ready_threads(block, polls);
+        const Turns turns = run_ready_threads(block, warps);
         if (aborted_) return true;
-        if (ran && polls) return false;
-        if (ran) continue;
+        if (turns.ready != 0) {
+            if (turns.polls) return false;
+            continue;
+        }
         if (release_active(block)) continue;
         if (release_barrier(block)) continue;
-        return std::all_of(block.threads.begin(), block.threads.end(),
-                           [](const Thread& thread) { return thread.has_left(); }) ||
-               block.abandoned;
+        return true;  // all have left, or wait for each other
     }
 }
 
-bool Machine::run_ready_threads(Block& block, bool& polls) {
-    const auto warps = static_cast<std::uint32_t>((block.threads.size() + kWarp - 1) / kWarp);
-    bool ran = false;
+Machine::Turns Machine::run_ready_threads(Block& block, std::uint32_t warps) {
+    Turns turns;
     for (std::uint32_t i = 0; i < warps; ++i) {
-        const std::uint32_t warp = thread_order_.warp_order[i];
+        const std::uint32_t base = thread_order_.warp_order[i] * kWarp;
+        std::uint32_t ready = 0;
         do {
-            bool in_warp = false;
+            ready = 0;
+            bool all_poll = true;
+            block.waits_in_warp = false;
             for (const std::uint8_t lane : thread_order_.lane_order) {
-                const std::uint32_t index = warp * kWarp + lane;
+                const std::uint32_t index = base + lane;
                 if (index >= block.threads.size()) continue;
                 Thread& thread = block.threads[index];
-                if (thread.state != ThreadState::ready) continue;
-                resume(thread);
-                if (aborted_) return true;
-                ran = true;
-                if (thread.waits_for_others) {
-                    ++idle_turns_;
-                } else {
-                    polls = false;
-                    in_warp = true;
+                if (thread.state == ThreadState::ready) {
+                    resume(thread);
+                    if (aborted_) return turns;
+                    if (thread.waits_for_others) {
+                        // A turn of plain accesses is as long as many of polls.
+                        idle_turns_ += thread.accesses >= kAccessesInATurn ? 2000 : 1;
+                    } else {
+                        all_poll = false;
+                    }
                 }
+                if (thread.state == ThreadState::ready) ++ready;
+                if (thread.state == ThreadState::at_warp_operation) block.waits_in_warp = true;
             }
-            if (!in_warp) break;
-        } while (release_warp(block, warp));
+            turns.polls &= all_poll;
+        } while (block.waits_in_warp && release_warp(block, base / kWarp));
+        turns.ready += ready;
     }
-    return ran;
+    return turns;
 }
 
 bool Machine::waits_for_ever() {

@@ -63,6 +63,11 @@ class Machine {
     void set_error(int code) {
         if (error_ == kNoError) error_ = code;
     }
+    /// A new context: illegal addresses are forgotten, too.
+    void reset_error() {
+        error_ = kNoError;
+        sticky_ = false;
+    }
     /// A call of the runtime that cannot be right.
     void report_call(FindingKind kind, const std::string& what, const void* place);
     void host_wrote(Region& region, const void* at, std::size_t bytes);
@@ -74,8 +79,9 @@ class Machine {
 
     // The running thread's side.
 
+    /// `aligned`: one load or store, whose address must be a multiple of its size.
     void access(Access access, const void* at, std::size_t bytes, const void* place,
-                bool block_scope = false);
+                bool block_scope = false, bool aligned = true);
     int barrier(Barrier kind, int predicate, const void* place);
     std::uint64_t warp(scotty_cuda::WarpOperation operation, std::uint32_t mask,
                        std::uint64_t value, std::uint32_t parameter, std::uint32_t width, int* flag,
@@ -108,7 +114,11 @@ class Machine {
     void end_block(Block* block);
     /// Runs the block until it is over (true) or only polls (false).
     bool run_block(Block& block);
-    bool run_ready_threads(Block& block, bool& polls);
+    struct Turns {
+        std::uint32_t ready = 0;  ///< threads that could go on
+        bool polls = true;        ///< nobody did anything but poll
+    };
+    Turns run_ready_threads(Block& block, std::uint32_t warps);
     void resume(Thread& thread);
     void stop();
     static void thread_entry();
@@ -116,7 +126,6 @@ class Machine {
     void report_endless();
 
     // Waiting (waiting.cpp).
-    bool release_warps(Block& block);
     bool release_warp(Block& block, std::uint32_t warp);
     void complete(Block& block, std::uint32_t warp, std::uint32_t lanes, std::uint32_t mask);
     bool release_active(Block& block);
@@ -128,7 +137,7 @@ class Machine {
 
     // Accesses (accesses.cpp).
     void check(Region& region, Access access, const std::byte* at, std::size_t bytes,
-               std::uint32_t place, bool block_scope);
+               std::uint32_t place, bool block_scope, bool aligned);
     void check_elsewhere(Access access, const std::byte* at, std::size_t bytes,
                          std::uint32_t place);
     void report_race(const Region& region, std::size_t byte, Access access, const Record& other,

@@ -263,7 +263,10 @@ cudaError_t scotty_symbol_copy(void* symbol, size_t symbol_bytes, void* other, s
 
 cudaError_t cudaDeviceSynchronize() { return status(); }
 cudaError_t cudaThreadSynchronize() { return status(); }
-cudaError_t cudaDeviceReset() { return cudaSuccess; }
+cudaError_t cudaDeviceReset() {
+    Machine::get().reset_error();
+    return cudaSuccess;
+}
 cudaError_t cudaGetDevice(int* device) {
     *device = 0;
     return cudaSuccess;

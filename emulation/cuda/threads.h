@@ -37,22 +37,28 @@ struct OpenWrite {
     std::size_t finding = 0;
 };
 
-struct Thread {
-    Block* block = nullptr;
+struct alignas(64) Thread {
+    // What every turn touches is in one line of the cache.
     Stack* stack = nullptr;
-    std::uint32_t index = 0;  ///< in the block
-    Dim at;                   ///< threadIdx
     ThreadState state = ThreadState::ready;
     bool left_said = false;         ///< a return statement has announced itself
     bool waits_for_others = false;  ///< gave its turn away in a loop that polls
+    std::uint8_t barrier = 0;       ///< plain, and, or, count
+    std::uint32_t index = 0;        ///< in the block
+    Dim at;                         ///< threadIdx
     std::uint32_t place = 0;        ///< where it stops or left, in the program's text
+    std::uint32_t clock = 1;
+    std::uint32_t polls = 0;     ///< atomics and volatile accesses since it last got its turn
+    std::uint32_t accesses = 0;  ///< all accesses since then
+    std::uint32_t value_of_barrier = 0;
+    std::uint32_t result_of_barrier = 0;
+    bool knows_more = false;  ///< has or had something of what follows, but for its block's base
+
+    Block* block = nullptr;
     std::uint32_t stack_of_calls = 0;
     std::uint32_t last_place = 0;  ///< of its last access
-    std::uint32_t polls = 0;       ///< atomics and volatile accesses since it last got its turn
-    std::uint32_t accesses = 0;    ///< all accesses since then
 
     // What it waits with.
-    int barrier = 0;  ///< plain, and, or, count
     WarpOperation operation = WarpOperation::sync;
     std::uint32_t mask = 0;
     std::uint64_t value = 0;
@@ -62,7 +68,6 @@ struct Thread {
     bool result_flag = false;
 
     // What it knows.
-    std::uint32_t clock = 1;
     std::array<std::uint32_t, kWarp> known{};  ///< lanes of its warp: counts below these
     SharedClocks acquired;
     SharedClocks read;          ///< by atomics: acquired at the next fence
@@ -90,6 +95,9 @@ struct Block {
     std::vector<Thread> threads;
     std::uint32_t base = 1;  ///< everything at lower counts was before its last barrier
     bool abandoned = false;
+    bool asks_active = false;    ///< some thread waits in __activemask
+    bool has_left = false;       ///< some thread has
+    bool waits_in_warp = false;  ///< some lane of the warp that has run does
     bool begun = false;
     std::uint64_t pass = 0;
 

@@ -64,11 +64,11 @@ int Machine::barrier(Barrier kind, int predicate, const void* place) {
     Thread& thread = *current_thread;
     close_writes(thread);
     thread.state = ThreadState::at_barrier;
-    thread.barrier = static_cast<int>(kind);
-    thread.value = static_cast<std::uint64_t>(predicate != 0);
+    thread.barrier = static_cast<std::uint8_t>(kind);
+    thread.value_of_barrier = predicate != 0 ? 1 : 0;
     thread.place = offset_in_text(place);
     stop();
-    return static_cast<int>(thread.result);
+    return static_cast<int>(thread.result_of_barrier);
 }
 
 std::uint64_t Machine::warp(scotty_cuda::WarpOperation operation, std::uint32_t mask,
@@ -82,6 +82,7 @@ std::uint64_t Machine::warp(scotty_cuda::WarpOperation operation, std::uint32_t 
     thread.parameter = parameter;
     thread.width = width;
     thread.place = offset_in_text(place);
+    if (operation == scotty_cuda::WarpOperation::active) thread.block->asks_active = true;
     if (operation != scotty_cuda::WarpOperation::active && (mask >> thread.lane() & 1u) == 0) {
         char bits[16];
         std::snprintf(bits, sizeof bits, "0x%08x", mask);
@@ -98,13 +99,6 @@ std::uint64_t Machine::warp(scotty_cuda::WarpOperation operation, std::uint32_t 
     stop();
     if (flag != nullptr) *flag = thread.result_flag ? 1 : 0;
     return thread.result;
-}
-
-bool Machine::release_warps(Block& block) {
-    bool released = false;
-    const auto warps = static_cast<std::uint32_t>((block.threads.size() + kWarp - 1) / kWarp);
-    for (std::uint32_t warp = 0; warp < warps; ++warp) released |= release_warp(block, warp);
-    return released;
 }
 
 bool Machine::release_warp(Block& block, std::uint32_t warp) {
@@ -204,6 +198,7 @@ void Machine::complete(Block& block, std::uint32_t warp, std::uint32_t lanes, st
 }
 
 bool Machine::release_active(Block& block) {
+    if (!std::exchange(block.asks_active, false)) return false;
     bool released = false;
     for (std::size_t i = 0; i < block.threads.size(); ++i) {
         const Thread& thread = block.threads[i];
@@ -228,6 +223,10 @@ bool Machine::release_barrier(Block& block) {
     const Thread* first = nullptr;
     bool all_there = true;
     bool one_place = true;
+    bool knows_more = false;
+    std::uint32_t latest = 0;
+    std::uint32_t count = 0;
+    std::uint32_t waiting = 0;
     for (const Thread& thread : block.threads) {
         if (thread.has_left()) continue;
         if (thread.state != ThreadState::at_barrier) {
@@ -236,6 +235,10 @@ bool Machine::release_barrier(Block& block) {
         }
         if (first == nullptr) first = &thread;
         one_place &= thread.place == first->place && thread.barrier == first->barrier;
+        latest = std::max(latest, thread.clock);
+        knows_more |= thread.knows_more;
+        ++waiting;
+        count += thread.value_of_barrier;
     }
     if (first == nullptr && all_there) return false;  // all have left
     if (!all_there) {
@@ -245,29 +248,24 @@ bool Machine::release_barrier(Block& block) {
         return false;
     }
     if (!one_place) report_parted(block, "threads of one block wait at different barriers");
-    report_leavers(block);
-    std::uint32_t count = 0;
-    std::uint32_t waiting = 0;
-    for (const Thread& thread : block.threads) {
-        if (thread.has_left()) continue;
-        ++waiting;
-        count += static_cast<std::uint32_t>(thread.value);
-    }
-    join_block(block);
+    if (block.has_left) report_leavers(block);
+    if (knows_more) join_block(block);
+    block.base = latest + 1;
     for (Thread& thread : block.threads) {
         if (thread.has_left()) continue;
+        thread.clock = block.base;
+        thread.state = ThreadState::ready;
         switch (static_cast<Barrier>(thread.barrier)) {
             case Barrier::all:
-                thread.result = count == waiting ? 1 : 0;
+                thread.result_of_barrier = count == waiting ? 1 : 0;
                 break;
             case Barrier::any:
-                thread.result = count != 0 ? 1 : 0;
+                thread.result_of_barrier = count != 0 ? 1 : 0;
                 break;
             default:
-                thread.result = count;
+                thread.result_of_barrier = count;
                 break;
         }
-        thread.state = ThreadState::ready;
     }
     ++changes_;
     return true;
@@ -328,19 +326,16 @@ void Machine::report_leavers(Block& block) {
 }
 
 void Machine::join_block(Block& block) {
-    std::uint32_t latest = 0;
     SharedClocks acquired;
     SharedClocks fenced;
     SharedClocks fenced_block;
     for (const Thread& thread : block.threads) {
-        latest = std::max(latest, thread.clock);
         acquired = join(join(acquired, thread.acquired), thread.read);
         fenced = join(fenced, thread.fenced);
         fenced_block = join(fenced_block, thread.fenced_block);
     }
-    block.base = latest + 1;
     for (Thread& thread : block.threads) {
-        thread.clock = block.base;
+        thread.knows_more = true;
         thread.acquired = acquired;
         thread.read = nullptr;
         thread.fenced = fenced;
@@ -370,6 +365,7 @@ void Machine::join_lanes(Block& block, std::uint32_t warp, std::uint32_t lanes) 
         Thread& thread = threads[std::countr_zero(bits)];
         thread.clock = latest + 1;
         thread.known = known;
+        thread.knows_more |= acquired != nullptr || fenced != nullptr || fenced_block != nullptr;
         thread.acquired = acquired;
         thread.read = nullptr;
         thread.fenced = fenced;
@@ -395,6 +391,7 @@ void Machine::fence(Scope scope, Order order) {
     Thread& thread = *current_thread;
     close_writes(thread);
     if (scope == Scope::thread) return;
+    thread.knows_more = true;
     if (order != Order::release && thread.read != nullptr) {
         thread.acquired = join(thread.acquired, thread.read);
         thread.read = nullptr;
@@ -412,6 +409,7 @@ void Machine::atomic_begins(void* at, std::size_t bytes, bool reads, bool writes
     access(writes ? Access::atomic : Access::atomic_load, at, bytes, place, block_scope);
     const auto found = channels_.find(at);
     if (reads && found != channels_.end()) {
+        thread.knows_more = true;
         SharedClocks heard = found->second.device;
         const auto own = found->second.by_block.find(thread.block->index);
         if (own != found->second.by_block.end()) heard = join(heard, own->second);

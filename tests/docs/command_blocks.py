@@ -45,7 +45,7 @@ def commands(first, lines):
 
 
 def may_differ(command):
-    return "--plant" in command or re.search(r"\b(diff|queues)\b", command) is not None
+    return "--plant" in command or re.search(r"\b(diff|queues|check)\b", command) is not None
 
 
 def run_page(top, scotty, page):

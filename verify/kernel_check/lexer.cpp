@@ -16,6 +16,7 @@ class Reader {
     explicit Reader(const std::string& text) : text_(text) {}
 
     Tokens read() {
+        tokens_.files = {"the text"};  // before the first marker
         bool line_begins = true;
         while (at_ < text_.size()) {
             const char c = text_[at_];
@@ -136,7 +137,7 @@ class Reader {
     const std::string& text_;
     Tokens tokens_;
     std::size_t at_ = 0;
-    int line_ = 0;
+    int line_ = 1;
     int file_ = 0;
     bool system_ = false;
 };

@@ -388,6 +388,7 @@ class Translator {
         std::vector<std::size_t> names;
         bool is_extern = at_ > 0 && token(at_ - 1).is("extern");
         bool names_open = true;
+        bool is_set = false;
         bool is_constant = token(at_).is("__constant__");
         bool is_managed = token(at_).is("__managed__");
         for (; end < tokens_.all.size(); ++end) {
@@ -409,6 +410,7 @@ class Translator {
                 continue;
             }
             if (t.is("[") || t.is("=") || t.is("{") || t.is(",") || t.is(";")) {
+                is_set |= t.is("=") || t.is("{");
                 if (names_open) names.push_back(end - 1);
                 names_open = t.is(",");
                 if (t.is(";")) break;
@@ -419,7 +421,10 @@ class Translator {
         }
         if (is_extern || registered_.contains(end)) return;
         registered_.insert(end);
-        std::string text;
+        // Behind it lies a gap, in the same section, so that a step beyond lands in nobody's
+        // memory.
+        std::string text = " static char scotty_gap_" + std::to_string(next_++) + "[64] " +
+                           "__attribute__((used))" + (is_set ? " = {1};" : ";");
         for (const std::size_t i : names) {
             const std::string name(token(i).spelling);
             text += " static ::scotty_cuda::Variable scotty_variable_" + name + "_" +

@@ -120,4 +120,6 @@ inline long long clock64() { return static_cast<long long>(scotty_cuda::clock_no
 inline unsigned long long __globaltimer() { return scotty_cuda::clock_now(); }
 [[noreturn]] SCOTTY_CALL void __trap() { scotty_cuda::trap("__trap()", SCOTTY_HERE); }
 inline void __brkpt() {}
+inline int __vimax3_s32(int a, int b, int c) { return a; }
+inline int __vimin3_s32(int a, int b, int c) { return a; }
 // NOLINTEND
