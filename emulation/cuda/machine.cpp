@@ -45,6 +45,7 @@ void on_bad_address(int signal, siginfo_t*, void* state) {
     failed_at = nullptr;
 #if defined(__x86_64__)
     const auto* const context = static_cast<const ucontext_t*>(state);
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): the system gives it as a number
     failed_at = reinterpret_cast<const void*>(context->uc_mcontext.gregs[REG_RIP]);
 #else
     static_cast<void>(state);
@@ -75,7 +76,7 @@ Dim block_of(std::uint32_t index, const Dim& grid) {
 }
 
 Machine& Machine::get() {
-    static Machine* const machine = new Machine;  // never destroyed: it reports at exit
+    static auto* const machine = new Machine;  // never destroyed: it reports at exit
     return *machine;
 }
 

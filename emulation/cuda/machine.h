@@ -80,7 +80,7 @@ class Machine {
     // The running thread's side.
 
     /// `aligned`: one load or store, whose address must be a multiple of its size.
-    void access(Access access, const void* at, std::size_t bytes, const void* place,
+    void access(Access access, const void* address, std::size_t bytes, const void* place,
                 bool block_scope = false, bool aligned = true);
     int barrier(Barrier kind, int predicate, const void* place);
     std::uint64_t warp(scotty_cuda::WarpOperation operation, std::uint32_t mask,

@@ -66,7 +66,7 @@ struct Region {
     bool is_unwritten(std::size_t byte) const {
         return unwritten != nullptr && (unwritten[byte / 8] >> byte % 8 & 1u) != 0;
     }
-    void set_written(std::size_t from, std::size_t count) {
+    void set_written(std::size_t from, std::size_t count) const {
         if (unwritten == nullptr) return;
         for (std::size_t byte = from; byte < from + count;) {
             if (byte % 8 == 0 && from + count - byte >= 8) {

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <map>
 #include <sstream>
+#include <utility>
 
 #include "reference/base/error.h"
 #include "verify/base/scratch_folder.h"
@@ -70,11 +71,11 @@ void write_file(const fs::path& path, const std::string& text) {
 
 class Build {
  public:
-    Build(const KernelCheck& check, const fs::path& scratch)
+    Build(const KernelCheck& check, fs::path scratch)
         : check_(check),
           compiler_(find_compiler(check.compiler)),
           executor_(executor_folder()),
-          scratch_(scratch) {}
+          scratch_(std::move(scratch)) {}
 
     fs::path program() {
         Words link = {compiler_, "-o", (scratch_ / "program").string()};
@@ -151,6 +152,11 @@ class Build {
         const ProgramRun ran = run_program(words, options);
         if (ran.exit_code == 127 && ran.output.empty()) {
             throw reference::Error::missing_environment(words.front() + " cannot be started");
+        }
+        if (ran.output.find("undefined reference to `main'") != std::string::npos) {
+            throw reference::Error::bad_input(
+                "the program",
+                "it has no main(); --launch 'kernel<<<grid, block>>>(arguments)' makes one");
         }
         if (ran.exit_code != 0) throw reference::Error::bad_input(what, "\n" + ran.output);
     }

@@ -82,7 +82,7 @@ std::string find_program(const std::string& name) {
     std::stringstream folders(path == nullptr ? "" : path);
     std::string folder;
     while (std::getline(folders, folder, ':')) {
-        const std::string file = (std::filesystem::path(folder) / name).string();
+        std::string file = (std::filesystem::path(folder) / name).string();
         if (::access(file.c_str(), X_OK) == 0) return file;
     }
     return "";

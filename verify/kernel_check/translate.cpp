@@ -1,5 +1,7 @@
 #include "verify/kernel_check/translate.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 #include <set>
@@ -251,8 +253,7 @@ class Translator {
             const Token& t = token(i);
             if (t.is(")")) {
                 i = opening(i);
-                if (i > 0 && (token(i - 1).is("]") || is_decoration(token(i - 1)))) return true;
-                return false;
+                return i > 0 && (token(i - 1).is("]") || is_decoration(token(i - 1)));
             }
             if (t.is("]")) return true;
             const bool name = t.kind == TokenKind::identifier || t.is("->") || t.is("::") ||
@@ -427,13 +428,13 @@ class Translator {
                            "__attribute__((used))" + (is_set ? " = {1};" : ";");
         for (const std::size_t i : names) {
             const std::string name(token(i).spelling);
-            text += " static ::scotty_cuda::Variable scotty_variable_" + name + "_" +
-                    std::to_string(next_++) + "(&" + name + ", sizeof(" + name + "), \"" + name +
-                    "\", ::scotty_cuda::Space::" +
-                    (is_constant  ? "constant"
-                     : is_managed ? "managed"
-                                  : "device") +
-                    ");";
+            text += fmt::format(
+                " static ::scotty_cuda::Variable scotty_variable_{0}_{1}(&{0}, sizeof({0}), "
+                "\"{0}\", ::scotty_cuda::Space::{2});",
+                name, next_++,
+                is_constant  ? "constant"
+                : is_managed ? "managed"
+                             : "device");
         }
         insert_behind(end, text);
     }
@@ -538,8 +539,7 @@ class Translator {
         const std::string type = "scotty_type_" + name + "_" + number;
         std::string kept = bounds;
         std::erase(kept, '\n');
-        std::string words = specifiers;
-        std::string text = "typedef " + words + pointer + " " + type + kept + "; ";
+        std::string text = "typedef " + specifiers + pointer + " " + type + kept + "; ";
         return text + "static const char scotty_site_" + number + " = 0; " + type + "& " + name +
                " = ::scotty_cuda::shared<" + type + ">(&scotty_site_" + number + ", \"" + name +
                "\");";
