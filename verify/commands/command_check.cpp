@@ -27,7 +27,6 @@ constexpr const char* kHelp =
 
 struct Options {
     KernelCheck check;
-    std::vector<std::string> words;
     std::size_t schedules = 1;
     std::string schedule;
     std::string junit;
@@ -42,13 +41,12 @@ bool is_source(const std::string& word) {
 
 int run(Options& options) {
     KernelCheck& check = options.check;
-    const auto first_argument =
-        std::find_if_not(options.words.begin(), options.words.end(), is_source);
-    check.sources.assign(options.words.begin(), first_argument);
-    check.arguments.assign(first_argument, options.words.end());
-    if (check.sources.empty()) {
-        throw reference::Error::bad_input(options.words.front(),
-                                          "expected a source file (.cu, .cpp, .cc or .cxx)");
+    const auto other = std::find_if_not(check.sources.begin(), check.sources.end(), is_source);
+    if (other != check.sources.end()) {
+        throw reference::Error::bad_input(
+            *other,
+            "expected a source file (.cu, .cpp, .cc or .cxx); what the program itself is "
+            "given stands behind --");
     }
     check.schedules.clear();
     if (!options.schedule.empty()) {
@@ -82,12 +80,15 @@ int run(Options& options) {
 
 }  // namespace
 
-void add_check_command(CLI::App& app, Action& action) {
+void add_check_command(CLI::App& app, Action& action, const std::vector<std::string>& for_program) {
     auto* command = app.add_subcommand(
         "check", "Find races, bad accesses and divergence in a CUDA program, without a GPU.");
     command->footer(kHelp);
     auto options = std::make_shared<Options>();
-    command->add_option("files", options->words, "source files, then what the program is given")
+    options->check.arguments = for_program;
+    command
+        ->add_option("files", options->check.sources,
+                     "source files; behind --: what the program is given")
         ->required()
         ->type_name("FILE");
     command
