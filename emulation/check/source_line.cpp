@@ -36,8 +36,14 @@ bool is_kernel_text(std::string_view line) {
     return has("emulation/kernels/") || has("emulation/host/") || has("reference/stages/");
 }
 
+/// Neither the system's headers nor those of the executor of CUDA programs.
+bool is_user_text(std::string_view line) {
+    return !line.starts_with("/usr/") && line.find("scotty_cuda/") == std::string_view::npos;
+}
+
 /// addr2line prints the address and then a line for each inlined call, innermost first.
-std::map<std::uint32_t, std::string> parse(const std::string& text) {
+std::map<std::uint32_t, std::string> parse(const std::string& text, LineOf which) {
+    const auto is_wanted = which == LineOf::user ? is_user_text : is_kernel_text;
     std::map<std::uint32_t, std::string> lines;
     std::uint32_t offset = 0;
     std::size_t at = 0;
@@ -55,7 +61,7 @@ std::map<std::uint32_t, std::string> parse(const std::string& text) {
         if (line.starts_with("?")) continue;
         line = std::filesystem::path(line).lexically_normal().string();
         std::string& known = lines[offset];
-        if (known.empty() || (!is_kernel_text(known) && is_kernel_text(line))) known = line;
+        if (known.empty() || (!is_wanted(known) && is_wanted(line))) known = line;
     }
     return lines;
 }
@@ -74,10 +80,11 @@ std::uintptr_t program_begin() {
     return begin;
 }
 
-std::vector<std::string> source_lines(const std::vector<std::uint32_t>& offsets) {
+std::vector<std::string> source_lines(const std::vector<std::uint32_t>& offsets, LineOf which) {
     static std::mutex mutex;
-    static std::map<std::uint32_t, std::string> known;
+    static std::map<std::uint32_t, std::string> known_lines[2];
     const std::scoped_lock lock(mutex);
+    std::map<std::uint32_t, std::string>& known = known_lines[static_cast<std::size_t>(which)];
     std::string command;
     for (const std::uint32_t offset : offsets) {
         // A return address is behind the call, so look one byte back.
@@ -89,7 +96,7 @@ std::vector<std::string> source_lines(const std::vector<std::uint32_t>& offsets)
     }
     if (!command.empty()) {
         command.insert(0, "addr2line -a -i -e /proc/" + std::to_string(::getpid()) + "/exe");
-        for (auto& [offset, line] : parse(output_of(command.append(" 2>/dev/null")))) {
+        for (auto& [offset, line] : parse(output_of(command.append(" 2>/dev/null")), which)) {
             known[offset + 1] = std::move(line);
         }
     }
@@ -106,6 +113,8 @@ std::vector<std::string> source_lines(const std::vector<std::uint32_t>& offsets)
     return lines;
 }
 
-std::string source_line(std::uint32_t offset) { return source_lines({offset}).front(); }
+std::string source_line(std::uint32_t offset, LineOf which) {
+    return source_lines({offset}, which).front();
+}
 
 }  // namespace scotty::emulation::simt

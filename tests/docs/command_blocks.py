@@ -45,19 +45,23 @@ def commands(first, lines):
 
 
 def may_differ(command):
-    return "--plant" in command or re.search(r"\b(diff|queues)\b", command) is not None
+    return "--plant" in command or re.search(r"\b(diff|queues|check)\b", command) is not None
 
 
 def run_page(top, scotty, page):
     """Problems, and how many commands were run or not, by need."""
     problems, counts = [], {}
     with open(os.path.join(top, page), encoding="utf-8") as file:
-        found = [command for block in blocks(file.read()) for command in commands(*block)]
+        text = file.read()
+        found = [command for block in blocks(text) for command in commands(*block)]
     with tempfile.TemporaryDirectory() as folder:
         shutil.copytree(os.path.join(top, "golden"), os.path.join(folder, "golden"))
         with open(os.path.join(folder, "run"), "w", encoding="utf-8") as file:
             file.write(RUN)
         os.chmod(os.path.join(folder, "run"), 0o755)
+        for name, content in re.findall(r"^```\w+ ([\w.]+)\n(.*?)^```", text, re.M | re.S):  # files that a page shows
+            with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
+                file.write(content)
         environment = dict(os.environ, PATH=f"{os.path.dirname(scotty)}:{os.environ['PATH']}")
         for number, command, need in found:
             if need is not None:

@@ -144,6 +144,14 @@ std::variant<Action, int> read_command_line(int argc, char** argv) {
     app.formatter(help_formatter());
     app.set_help_flag("-h,--help", "say what there is, and end");
     app.set_version_flag("-V,--version", "scotty " SCOTTY_VERSION, "print the version, and end");
+    std::vector<std::string> words(argv + 1, argv + argc);
+    // What stands behind "--" is for the program that `scotty check` runs.
+    std::vector<std::string> for_program;
+    const auto mark = std::find(words.begin(), words.end(), "--");
+    if (mark != words.end() && words.front() == "check") {
+        for_program.assign(mark + 1, words.end());
+        words.erase(mark, words.end());
+    }
     add_terminal_options(app);
     app.require_subcommand(1);
     app.fallthrough();  // -q and --color may stand behind the command, too
@@ -155,6 +163,7 @@ std::variant<Action, int> read_command_line(int argc, char** argv) {
     add_bench_command(app, action);
     add_analyze_command(app, action);
     add_doctor_command(app, action);
+    add_check_command(app, action, for_program);
     add_capture_command(app, action);
     add_diff_command(app, action, join(argc, argv));
     add_replay_command(app, action);
@@ -164,7 +173,6 @@ std::variant<Action, int> read_command_line(int argc, char** argv) {
     add_report_command(app, action);
     add_mutants_command(app, action);
     add_completion_commands(app, action);
-    std::vector<std::string> words(argv + 1, argv + argc);
     // `scotty help X` is `scotty X --help`.
     if (!words.empty() && words.front() == "help") {
         std::rotate(words.begin(), words.begin() + 1, words.end());

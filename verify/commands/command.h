@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "verify/base/exit_code.h"
 
@@ -20,6 +21,8 @@ void add_verify_command(CLI::App& app, Action& action, const std::string& comman
 void add_bench_command(CLI::App& app, Action& action);
 void add_analyze_command(CLI::App& app, Action& action);
 void add_doctor_command(CLI::App& app, Action& action);
+/// `for_program` stood behind "--".
+void add_check_command(CLI::App& app, Action& action, const std::vector<std::string>& for_program);
 void add_capture_command(CLI::App& app, Action& action);
 void add_diff_command(CLI::App& app, Action& action, const std::string& command_line);
 void add_replay_command(CLI::App& app, Action& action);

@@ -32,7 +32,7 @@ constexpr const char* kQuick =
 
 TEST_CASE("command: help and version go to standard output and pass", "[verify][cli]") {
     for (const std::string command :
-         {"", "list ", "info ", "render ", "verify ", "bench ", "doctor ", "golden "}) {
+         {"", "list ", "info ", "render ", "verify ", "bench ", "doctor ", "golden ", "check "}) {
         const Result help = scotty_here(command + "--help");
         CHECK(help.exit_code == 0);
         CHECK_THAT(help.out, Contains("Examples:"));

@@ -1,0 +1,4 @@
+/// CUDA text includes it; everything is there already.
+#pragma once
+
+#include "scotty_cuda/cuda.h"

@@ -1,0 +1,4 @@
+/// scotty check refuses what needs it (docs/cuda-support.md).
+#pragma once
+
+#error "<mma.h> is not supported by scotty check (docs/cuda-support.md)"
