@@ -42,6 +42,13 @@ inline void atomic_min_distance(float& target, float value) {
     }
 }
 
+/// Asks for a value that the block needs soon. It hides the latency of a gather, as a device's
+/// other warps do; it is a hint and no access.
+template <class T>
+void prefetch(const T* address) {
+    __builtin_prefetch(address);
+}
+
 /// A read while others may write: the early-out's value is never wrong, only late.
 template <class T>
 T load_watched(const T& source) {

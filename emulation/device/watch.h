@@ -48,9 +48,12 @@ class Watch {
     static void each_thread(std::uint32_t active, Body& body) {
         for (std::uint32_t thread = 0; thread < active; ++thread) body(thread);
     }
+    /// Idle threads run along, up to a whole vector, as those of a warp do: what is in their
+    /// registers means nothing, and loops need no remainder. PerThread has room for them.
     template <class Body>
     static void each_thread_on_registers(std::uint32_t active, Body& body) {
-        each_thread(active, body);
+        constexpr std::uint32_t kVector = 8;
+        each_thread((active + kVector - 1) / kVector * kVector, body);
     }
     template <class Kernel, class Block>
     static void run_block(Kernel& kernel, const Block& block) {

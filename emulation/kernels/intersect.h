@@ -77,6 +77,9 @@ inline void load_rays(const Block& block, const BlockWork& work, const reference
                                      : level.queue + level.queue_offsets[work.node] + work.first;
     block.phase(work.count, [&](std::uint32_t thread) {
         out.id[thread] = queue == nullptr ? work.first + thread : queue[thread];
+        prefetch(&rays[out.id[thread]].origin);
+        prefetch(&rays[out.id[thread]].t_max);  // may lie in the next cache line
+        prefetch(minimum.minimum + out.id[thread]);
     });
     block.phase(work.count, [&](std::uint32_t thread) {
         const reference::Ray& ray = rays[out.id[thread]];
@@ -211,21 +214,54 @@ inline void record_hit(std::uint32_t ray_id, const reference::HitCandidate& hit,
     }
 }
 
+/// Asks for what record_hit() writes.
+inline void prefetch_record(std::uint32_t ray_id, const HitView& hits, const MinimumView& minimum) {
+    if (hits.mode == reference::HitMode::packed) {
+        prefetch(hits.packed + ray_id);
+    } else {
+        prefetch(hits.counts + ray_id);
+        prefetch(hits.candidates + std::size_t{ray_id} * hits.capacity);
+    }
+    prefetch(minimum.lowered + ray_id);
+}
+
 /// Triangles that a block holds in shared memory at once; larger leaves take several loads.
 constexpr std::uint32_t kLeafChunk = 64;
+
+/// Without a branch, so that loops over threads vectorise.
+inline bool both(bool a, bool b) {
+    return static_cast<bool>(static_cast<int>(a) & static_cast<int>(b));
+}
 
 /// Finds the closest hit of each ray of the block in one leaf.
 inline void intersect_leaf(const Block& block, std::uint32_t count, const reference::Leaf& leaf,
                            const reference::LeafTriangle* triangles, const reference::Ray* rays,
                            const BlockRays& loaded, const HitView& hits,
                            const MinimumView& minimum) {
-    using reference::Hit;
     using reference::Vec3;
     BlockShear shear;
-    PerThread<Hit> best;
-    PerThread<std::uint32_t> inside;
+    PerThread<float> best_t;
+    PerThread<std::uint32_t> best_primitive;
+    PerThread<std::uint32_t> on_edge;
     shear_rays(block, count, rays, loaded, shear);
-    block.phase_on_registers(count, [&](OwnThread thread) { best[thread] = reference::no_hit(); });
+    block.phase_on_registers(count, [&](OwnThread thread) {
+        best_t[thread] = reference::kInfinity;
+        best_primitive[thread] = reference::kNone;
+    });
+    const auto keep_nearer = [&](OwnThread thread, std::uint32_t primitive, float t, bool hit) {
+        const bool in_range = both(loaded.t_min[thread] <= t, t < loaded.t_max[thread]);
+        const bool nearer =
+            both(both(hit, in_range),
+                 reference::closer(t, primitive, best_t[thread], best_primitive[thread]));
+        best_t[thread] = nearer ? t : best_t[thread];
+        best_primitive[thread] = nearer ? primitive : best_primitive[thread];
+    };
+    const auto origin_of = [&](OwnThread thread) {
+        return Vec3(loaded.origin_x[thread], loaded.origin_y[thread], loaded.origin_z[thread]);
+    };
+    const auto inverse_of = [&](OwnThread thread) {
+        return Vec3(loaded.inverse_x[thread], loaded.inverse_y[thread], loaded.inverse_z[thread]);
+    };
 
     reference::LeafTriangle shared[kLeafChunk];
     for (std::uint32_t done = 0; done < leaf.count; done += kLeafChunk) {
@@ -233,43 +269,51 @@ inline void intersect_leaf(const Block& block, std::uint32_t count, const refere
         std::copy_n(triangles + leaf.first + done, chunk, shared);
         for (std::uint32_t i = 0; i < chunk; ++i) {
             const reference::LeafTriangle triangle = shared[i];
-            // Test signs for all threads first: most rays pass outside most triangles.
+            const Vec3 low =
+                reference::min_number(reference::min_number(triangle.v0, triangle.v1), triangle.v2);
+            const Vec3 high =
+                reference::max_number(reference::max_number(triangle.v0, triangle.v1), triangle.v2);
+            // The steps of intersect_triangle_line(), for all threads at once and without a branch.
             block.phase_on_registers(count, [&](OwnThread thread) {
-                const Vec3 origin(loaded.origin_x[thread], loaded.origin_y[thread],
-                                  loaded.origin_z[thread]);
+                const Vec3 origin = origin_of(thread);
                 const reference::RayShear ray = shear_of(shear, thread);
-                const reference::EdgeFunctions e = reference::edge_functions(
-                    reference::shear(ray, reference::swap_axes(triangle.v0 - origin, ray.kz),
-                                     reference::swap_axes(triangle.v1 - origin, ray.kz),
-                                     reference::swap_axes(triangle.v2 - origin, ray.kz)));
-                const float least = reference::min_of(reference::min_of(e.u, e.v), e.w);
-                const float most = reference::max_of(reference::max_of(e.u, e.v), e.w);
-                inside[thread] = static_cast<std::uint32_t>(!(least < 0.0f)) |
-                                 static_cast<std::uint32_t>(!(most > 0.0f));
+                const Vec3 a = reference::swap_axes(triangle.v0 - origin, ray.kz);
+                const Vec3 b = reference::swap_axes(triangle.v1 - origin, ray.kz);
+                const Vec3 c = reference::swap_axes(triangle.v2 - origin, ray.kz);
+                const reference::EdgeFunctions e =
+                    reference::edge_functions(reference::shear(ray, a, b, c));
+                on_edge[thread] = static_cast<std::uint32_t>(reference::may_be_zero(e));
+                const reference::Crossing crossing = reference::crossing_of(ray, e, a, b, c);
+                const reference::CutDistance cut =
+                    reference::cut_distance(crossing.t, origin, inverse_of(thread), low, high);
+                const bool inside = both(on_edge[thread] == 0, !reference::signs_differ(e));
+                const bool crosses = both(inside, reference::abs_of(crossing.determinant) > 0.0f);
+                keep_nearer(thread, triangle.primitive, cut.t, both(crosses, cut.inside));
             });
+            // Few lines meet an edge: the signs are those of exact arithmetic there.
+            if (block.count(count, [&](std::uint32_t thread) { return on_edge[thread] != 0; }) ==
+                0) {
+                continue;
+            }
             block.phase_on_registers(count, [&](OwnThread thread) {
-                if (inside[thread] == 0) return;
-                Hit hit = reference::no_hit();
-                if (!reference::intersect_triangle_line(
-                        Vec3(loaded.origin_x[thread], loaded.origin_y[thread],
-                             loaded.origin_z[thread]),
-                        Vec3(loaded.inverse_x[thread], loaded.inverse_y[thread],
-                             loaded.inverse_z[thread]),
-                        shear_of(shear, thread), triangle.v0, triangle.v1, triangle.v2, hit)) {
-                    return;
-                }
-                hit.primitive = triangle.primitive;
-                const bool in_range = loaded.t_min[thread] <= hit.t && hit.t < loaded.t_max[thread];
-                if (in_range && reference::closer(hit.t, hit.primitive, best[thread].t,
-                                                  best[thread].primitive)) {
-                    best[thread] = hit;
-                }
+                if (on_edge[thread] == 0) return;
+                reference::Hit hit = reference::no_hit();
+                const bool crosses = reference::intersect_triangle_line(
+                    origin_of(thread), inverse_of(thread), shear_of(shear, thread), triangle.v0,
+                    triangle.v1, triangle.v2, hit);
+                keep_nearer(thread, triangle.primitive, hit.t, crosses);
             });
         }
     }
+    const auto is_nearest = [&](std::uint32_t thread) {
+        return best_primitive[thread] != reference::kNone && best_t[thread] <= loaded.limit[thread];
+    };
     block.phase(count, [&](std::uint32_t thread) {
-        if (reference::is_hit(best[thread]) && best[thread].t <= loaded.limit[thread]) {
-            record_hit(loaded.id[thread], {best[thread].t, best[thread].primitive}, hits, minimum);
+        if (is_nearest(thread)) prefetch_record(loaded.id[thread], hits, minimum);
+    });
+    block.phase(count, [&](std::uint32_t thread) {
+        if (is_nearest(thread)) {
+            record_hit(loaded.id[thread], {best_t[thread], best_primitive[thread]}, hits, minimum);
         }
     });
 }

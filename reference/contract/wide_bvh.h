@@ -1,7 +1,8 @@
 /// The N-way BVH that every pipeline traverses level by level.
 ///
-/// Built in three steps, all deterministic: a binary BVH by Embree's builder; *compaction* to N
-/// children a node (wide_bvh_compaction.h); *serialisation* to indices in breadth-first order.
+/// Built in four steps, all deterministic: a binary BVH by Embree's builder; *reinsertion* of its
+/// subtrees where they cost less (reinsertion.h); *compaction* to N children a node
+/// (wide_bvh_compaction.h); *serialisation* to indices in breadth-first order.
 ///
 /// Node ids are breadth-first positions, so a level is a contiguous range of ids and the children
 /// of one node are neighbours. An id is looked up in node_refs: an inner node or a leaf.

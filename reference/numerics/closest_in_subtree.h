@@ -15,11 +15,6 @@
 
 namespace scotty::reference {
 
-SCOTTY_HD std::uint32_t bits_of(float value) {
-    std::uint32_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    return bits;
-}
 SCOTTY_HD float float_of(std::uint32_t bits) {
     float value;
     memcpy(&value, &bits, sizeof value);

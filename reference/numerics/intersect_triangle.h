@@ -8,6 +8,8 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 
 #include "reference/base/host_device.h"
 #include "reference/base/vec3.h"
@@ -15,6 +17,12 @@
 #include "reference/numerics/intersect_box.h"
 
 namespace scotty::reference {
+
+SCOTTY_HD std::uint32_t bits_of(float value) {
+    std::uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return bits;
+}
 
 SCOTTY_HD float component(const Vec3& v, int axis) {
     return axis == 0 ? v.x : (axis == 1 ? v.y : v.z);
@@ -49,10 +57,20 @@ struct EdgeFunctions {
     float u, v, w;
 };
 
-/// True where the signs differ, that is: the ray passes outside. NaN counts as outside elsewhere
-/// (the determinant test), not here.
+/// True where the signs differ, that is: the ray passes outside. A zero has no sign. NaN counts as
+/// outside elsewhere (the determinant test), not here.
 SCOTTY_HD bool outside(const EdgeFunctions& e) {
     return (e.u < 0.0f || e.v < 0.0f || e.w < 0.0f) && (e.u > 0.0f || e.v > 0.0f || e.w > 0.0f);
+}
+
+/// True where one may be zero or NaN: the product is not above 0 where it vanishes, underflows, or
+/// is 0 times infinity. One comparison for three, which have half the rate of products on a device.
+SCOTTY_HD bool may_be_zero(const EdgeFunctions& e) { return !(abs_of(e.u * e.v * e.w) > 0.0f); }
+
+/// outside() by the bits of the signs. Requires !may_be_zero(e).
+SCOTTY_HD bool signs_differ(const EdgeFunctions& e) {
+    const std::uint32_t u = bits_of(e.u);
+    return (((u ^ bits_of(e.v)) | (u ^ bits_of(e.w))) >> 31) != 0;
 }
 
 /// The sheared x and y of three vertices.
@@ -71,6 +89,18 @@ SCOTTY_HD EdgeFunctions edge_functions_exact_sign(const ShearedTriangle& s) {
             static_cast<float>(bx * ay - by * ax)};
 }
 
+/// Edge functions whose signs are those of exact arithmetic. Returns false where the line passes
+/// outside. A difference of rounded products that is not zero has the exact sign, because rounding
+/// preserves order; where one is zero, double precision decides.
+SCOTTY_HD bool signed_edges(const ShearedTriangle& sheared, EdgeFunctions& e) {
+    e = edge_functions(sheared);
+    if (!may_be_zero(e)) return !signs_differ(e);
+    if (outside(e)) return false;
+    if (e.u != 0.0f && e.v != 0.0f && e.w != 0.0f) return true;
+    e = edge_functions_exact_sign(sheared);
+    return !outside(e);
+}
+
 /// `a`, `b`, `c`: vertices relative to the ray's origin, axes swapped.
 SCOTTY_HD ShearedTriangle shear(const RayShear& ray, const Vec3& a, const Vec3& b, const Vec3& c) {
     return {a.x - ray.sx * a.z, a.y - ray.sy * a.z, b.x - ray.sx * b.z,
@@ -84,22 +114,40 @@ struct Crossing {
     float t;  ///< NaN where it cannot be told
 };
 
+/// The crossing of a line with these edge functions; `a`, `b`, `c` as below.
+SCOTTY_HD Crossing crossing_of(const RayShear& ray, const EdgeFunctions& e, const Vec3& a,
+                               const Vec3& b, const Vec3& c) {
+    const float determinant = e.u + e.v + e.w;
+    const float scaled_t = e.u * (ray.sz * a.z) + e.v * (ray.sz * b.z) + e.w * (ray.sz * c.z);
+    return {e, determinant, scaled_t / determinant};
+}
+
 /// Where the line crosses the triangle `a`, `b`, `c`: vertices relative to the ray's origin, axes
 /// swapped. Returns false where it passes outside.
 SCOTTY_HD bool crosses(const RayShear& ray, const Vec3& a, const Vec3& b, const Vec3& c,
                        Crossing& crossing) {
-    const ShearedTriangle sheared = shear(ray, a, b, c);
-    EdgeFunctions e = edge_functions(sheared);
-    if (outside(e)) return false;
-    if (e.u == 0.0f || e.v == 0.0f || e.w == 0.0f) {
-        e = edge_functions_exact_sign(sheared);
-        if (outside(e)) return false;
-    }
-    const float determinant = e.u + e.v + e.w;
-    if (!(abs_of(determinant) > 0.0f)) return false;
-    const float scaled_t = e.u * (ray.sz * a.z) + e.v * (ray.sz * b.z) + e.w * (ray.sz * c.z);
-    crossing = {e, determinant, scaled_t / determinant};
-    return true;
+    EdgeFunctions e;
+    if (!signed_edges(shear(ray, a, b, c), e)) return false;
+    crossing = crossing_of(ray, e, a, b, c);
+    return abs_of(crossing.determinant) > 0.0f;
+}
+
+/// A distance cut to the ray's interval through a box; `inside` is false where there is none.
+struct CutDistance {
+    float t;
+    bool inside;
+};
+
+/// A crossing's distance, cut to the ray's interval through the padded box [low, high].
+SCOTTY_HD CutDistance cut_distance(float t, const Vec3& origin, const Vec3& inverse,
+                                   const Vec3& low, const Vec3& high) {
+    const BoxInterval box =
+        intersect_box(ray_slabs(origin, inverse, box_pad(origin, low, high)), low, high);
+    // A quotient that is NaN becomes the entry.
+    const float cut = min_number(max_number(t, box.entry), box.exit);
+    const bool inside =
+        static_cast<bool>(static_cast<int>(box.entry <= cut) & static_cast<int>(cut <= box.exit));
+    return {cut + 0.0f, inside};  // -0 becomes +0: distances are ordered by their bits
 }
 
 /// The hit of a crossing, its t cut to the ray's interval through the triangle's own padded box,
@@ -107,12 +155,9 @@ SCOTTY_HD bool crosses(const RayShear& ray, const Vec3& a, const Vec3& b, const 
 /// `hit` alone, where the ray misses the box.
 SCOTTY_HD bool cut_to_box(const Crossing& crossing, const Vec3& origin, const Vec3& inverse,
                           const Vec3& low, const Vec3& high, Hit& hit) {
-    const BoxInterval box =
-        intersect_box(ray_slabs(origin, inverse, box_pad(origin, low, high)), low, high);
-    // A quotient that is NaN becomes the entry.
-    const float t = min_number(max_number(crossing.t, box.entry), box.exit);
-    if (!(box.entry <= t && t <= box.exit)) return false;
-    hit.t = t + 0.0f;  // -0 becomes +0: distances are ordered by their bits
+    const CutDistance cut = cut_distance(crossing.t, origin, inverse, low, high);
+    if (!cut.inside) return false;
+    hit.t = cut.t;
     hit.u = crossing.edges.v / crossing.determinant;
     hit.v = crossing.edges.w / crossing.determinant;
     return true;
@@ -144,9 +189,12 @@ SCOTTY_HD bool intersect_triangle(const Ray& ray, const Vec3& inverse, const Ray
 }
 
 /// Which of two hits wins: the nearer one, the lower primitive id where both are equally near.
+/// Without a branch, so that loops over rays vectorise.
 SCOTTY_HD bool closer(float t, std::uint32_t primitive, float than_t,
                       std::uint32_t than_primitive) {
-    return t < than_t || (t == than_t && primitive < than_primitive);
+    const int wins_tie =
+        static_cast<int>(t == than_t) & static_cast<int>(primitive < than_primitive);
+    return static_cast<bool>(static_cast<int>(t < than_t) | wins_tie);
 }
 
 }  // namespace scotty::reference

@@ -120,6 +120,38 @@ TEST_CASE("leaf: each ray's closest hit is brute force's, for odd queues and bot
     }
 }
 
+TEST_CASE("leaf: hits on edges and corners, among rays that pass beside them, are brute force's",
+          "[emulation][leaf]") {
+    using namespace scotty::reference::test;
+    // A grid of whole numbers seen along z: lines through corners, edges and the insides of cells.
+    Scene scene;
+    scene.materials.emplace_back();
+    for (int y = 0; y < 4; ++y) {
+        for (int x = 0; x < 4; ++x) {
+            const auto fx = static_cast<float>(x);
+            const auto fy = static_cast<float>(y);
+            add_triangle(scene, Vec3(fx, fy, 0), Vec3(fx + 1, fy, 0), Vec3(fx + 1, fy + 1, 0));
+            add_triangle(scene, Vec3(fx, fy, 0), Vec3(fx + 1, fy + 1, 0), Vec3(fx, fy + 1, 0));
+        }
+    }
+    OneLeaf leaf(std::move(scene));
+    for (int i = 0; i < 9 * 9; ++i) {
+        const Vec3 at(0.5f * static_cast<float>(i % 9), 0.5f * static_cast<float>(i / 9), 7.0f);
+        leaf.rays.push_back({at, 0.0f, Vec3(0, 0, -1), kInfinity});
+    }
+    for (const Ray& ray : random_rays(100, 3.0f, 6)) leaf.rays.push_back(ray);
+    std::vector<Hit> exact(leaf.rays.size());
+    scotty::reference::brute_force_closest(leaf.scene, leaf.rays, exact);
+    leaf.run(ids(static_cast<std::uint32_t>(leaf.rays.size())), HitMode::packed, EarlyOut::off);
+    std::size_t hits = 0;
+    for (std::size_t i = 0; i < leaf.rays.size(); ++i) {
+        const bool hit = is_hit(exact[i]);
+        hits += hit ? 1 : 0;
+        CHECK(leaf.packed[i] == (hit ? pack(exact[i].t, exact[i].primitive) : kNoPackedHit));
+    }
+    CHECK(hits >= 9 * 9);  // the closed square, its border too
+}
+
 TEST_CASE("leaf: of 1, 64, 65 or 1000 coincident triangles the lowest id wins",
           "[emulation][leaf]") {
     for (const std::uint32_t count : {1u, 64u, 65u, 1000u}) {
