@@ -44,6 +44,8 @@ constexpr std::chrono::milliseconds kRestPace{100};
 constexpr std::uint32_t kJudgedSamples = 4;
 /// Seconds of a first pass after which a smaller picture is shown before.
 constexpr double kLongPass = 0.3;
+/// Batches after which records of launches are added up, so that they do not fill the memory.
+constexpr std::uint32_t kCountedBatches = 256;
 constexpr std::uint32_t kMostPixels = 4096u * 4096u;
 constexpr std::uint32_t kLeastEdge = 16;
 /// Sizes of a moving picture, as shares of each edge.
@@ -259,6 +261,8 @@ class RenderLoop::State {
     void show_kept(const ViewState& state, std::uint64_t number);
     void keep(Image&& image, std::uint32_t samples, const ViewState& state, double seconds);
     void judge(const ViewState& state, const Image& image, std::uint32_t samples, double seconds);
+    /// Of the launches since it was called last, which took so long together.
+    nlohmann::json take_statistics(double seconds);
     void fill_statistics(ShownPicture& picture);
     double moving_scale(const ViewState& state) const;
     PipelineParameters moving_parameters(const ViewState& state) const;
@@ -478,10 +482,17 @@ PipelineParameters RenderLoop::State::moving_parameters(const ViewState& state) 
     return p;
 }
 
-void RenderLoop::State::fill_statistics(ShownPicture& picture) {
+nlohmann::json RenderLoop::State::take_statistics(double seconds) {
     auto& pipeline = renderer_->pipeline();
-    picture.statistics = launch_statistics(pipeline.launches());
-    picture.device_bytes = pipeline.device_bytes();
+    nlohmann::json statistics = launch_statistics(pipeline.launches());
+    statistics["seconds"] = seconds;
+    pipeline.clear_launches();
+    return statistics;
+}
+
+void RenderLoop::State::fill_statistics(ShownPicture& picture) {
+    picture.statistics = take_statistics(picture.render_seconds);
+    picture.device_bytes = renderer_->pipeline().device_bytes();
 }
 
 void RenderLoop::State::render_moving(const ViewState& state, std::uint64_t number) {
@@ -628,6 +639,7 @@ void RenderLoop::State::refine(const ViewState& state, std::uint64_t number,
     const auto start = Clock::now();
     Clock::time_point due = start;
     std::uint64_t last_number = number;
+    std::uint32_t batches = 0;
     const auto rendered = [&] {
         return std::chrono::duration<double>(Clock::now() - start - beside).count();
     };
@@ -636,8 +648,14 @@ void RenderLoop::State::refine(const ViewState& state, std::uint64_t number,
         f();
         beside += Clock::now() - begin;
     };
+    double window = 0.0;  // seconds of rendering when statistics were taken last
+    const auto count_launches = [&] {
+        const double seconds = rendered();
+        kept_statistics_ = take_statistics(seconds - std::exchange(window, seconds));
+    };
     const auto take = [&](Image&& image, std::uint32_t samples) {
         const double seconds = rendered();
+        count_launches();
         if (samples == judged) judge(state, image, samples, seconds);
         keep(std::move(image), samples, state, seconds);
         if (seconds_per_path_ == 0.0) {
@@ -671,6 +689,7 @@ void RenderLoop::State::refine(const ViewState& state, std::uint64_t number,
                 now = wanted_;
             }
             aside([&] { trace_picks(state); });
+            if (++batches % kCountedBatches == 0) count_launches();
             if (now_number != last_number && kept_ && shown_at_rest_) {
                 last_number = now_number;
                 aside([&] { show_kept(now, now_number); });
@@ -682,7 +701,6 @@ void RenderLoop::State::refine(const ViewState& state, std::uint64_t number,
     shown_at_rest_ = false;
     ProgressiveImage done = renderer_->render(listener);
     if (done.samples != p.spp) return;  // it was stopped; what there is has been shown
-    kept_statistics_ = launch_statistics(renderer_->pipeline().launches());
     take(std::move(done.image), done.samples);
     done_picture_ = picture;
 }

@@ -176,7 +176,7 @@ class ViewSession::State final : public ViewHost {
     void publish(const std::shared_ptr<const EncodedFrame>& frame);
     void send_to(ViewerId viewer, const json& message);
     void send_to_all(const json& message);
-    json state_message() const;
+    void tell_state();
     void carry_out(ViewerId viewer, const ViewMessage& message);
     void note(ViewerId viewer, std::uint64_t state, std::uint64_t id);
     WebResponse saved_picture(const std::string& extension);
@@ -241,14 +241,14 @@ void ViewSession::State::send_to_all(const json& message) {
     for (const auto& [viewer, about] : viewers_) server_->send(viewer, text);
 }
 
-json ViewSession::State::state_message() const {
+void ViewSession::State::tell_state() {
     const ViewState state = loop_.state();
     const bool is_own = camera_json(state.camera) == camera_json(own_);
     json message = state_json(state, loop_.scene(), is_own ? "" : camera_file_);
     message["camera"] = camera_json(state.camera);
     const std::lock_guard lock(mutex_);
     message["viewers"] = viewers_.size();
-    return message;
+    if (server_) server_->tell_newest(text_of(message));
 }
 
 void ViewSession::State::joined(ViewerId viewer) {
@@ -262,7 +262,7 @@ void ViewSession::State::joined(ViewerId viewer) {
     json hello = hello_json(loop_.scene());
     hello["version"] = options_.version;
     send_to(viewer, hello);
-    send_to_all(state_message());
+    tell_state();
 }
 
 void ViewSession::State::left(ViewerId viewer) {
@@ -274,7 +274,7 @@ void ViewSession::State::left(ViewerId viewer) {
         if (closing_) return;
     }
     loop_.set_viewers(count);
-    send_to_all(state_message());
+    tell_state();
 }
 
 void ViewSession::State::note(ViewerId viewer, std::uint64_t state, std::uint64_t id) {
@@ -324,19 +324,19 @@ void ViewSession::State::carry_out(ViewerId viewer, const ViewMessage& message) 
     const std::uint64_t id = message.id;
     if (const auto* look = std::get_if<LookAt>(&message.what)) {
         note(viewer, loop_.look(camera_of(*look), look->moving), id);
-        if (!look->moving) send_to_all(state_message());
+        if (!look->moving) tell_state();
     } else if (std::get_if<OwnCamera>(&message.what) != nullptr) {
         note(viewer, loop_.own_camera(), id);
-        send_to_all(state_message());
+        tell_state();
     } else if (std::get_if<FrameAll>(&message.what) != nullptr) {
         note(viewer, loop_.frame_all(), id);
-        send_to_all(state_message());
+        tell_state();
     } else if (const auto* set = std::get_if<SetValues>(&message.what)) {
         note(viewer, loop_.set(*set), id);
-        send_to_all(state_message());
+        tell_state();
     } else if (const auto* show = std::get_if<ShowAs>(&message.what)) {
         note(viewer, loop_.show(*show), id);
-        send_to_all(state_message());
+        tell_state();
     } else if (const auto* pick = std::get_if<Pick>(&message.what)) {
         loop_.pick(viewer, *pick);
     } else if (const auto* start = std::get_if<StartJob>(&message.what)) {

@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "verify/view_module/request_rules.h"
+#include "verify/view_module/socket_limits.h"
 
 namespace scotty::verify {
 namespace {
@@ -84,13 +85,17 @@ class Server;
 class Viewer : public std::enable_shared_from_this<Viewer> {
  public:
     Viewer(Server& server, beast::tcp_stream&& stream, ViewerId id)
-        : server_(server), socket_(std::move(stream)), pause_(socket_.get_executor()), id_(id) {}
+        : server_(server), socket_(std::move(stream)), id_(id) {}
 
     void start(const Request& request);
     void send(std::string text) {
         if (closing_) return;
         if (texts_.size() >= kMostWaitingTexts) return cut_off();
         texts_.push_back(std::move(text));
+        write();
+    }
+    void tell_newest(std::shared_ptr<const std::string> text) {
+        newest_text_ = std::move(text);
         write();
     }
     void offer(std::shared_ptr<const ViewFrame> frame) {
@@ -114,10 +119,10 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
 
     Server& server_;
     websocket::stream<beast::tcp_stream> socket_;
-    asio::steady_timer pause_;
     ViewerId id_;
     beast::flat_buffer buffer_;
     std::deque<std::string> texts_;
+    std::shared_ptr<const std::string> newest_text_;
     std::shared_ptr<const ViewFrame> newest_, writing_frame_;
     std::string writing_;
     unsigned underway_ = 0;
@@ -182,6 +187,11 @@ class Server final : public ViewServer {
         asio::post(context_, [this, id, text = std::move(text)]() mutable {
             const auto found = viewers_.find(id);
             if (found != viewers_.end()) found->second->send(std::move(text));
+        });
+    }
+    void tell_newest(std::string text) override {
+        asio::post(context_, [this, told = std::make_shared<const std::string>(std::move(text))] {
+            for (const auto& [id, viewer] : viewers_) viewer->tell_newest(told);
         });
     }
     void offer(std::shared_ptr<const ViewFrame> frame) override {
@@ -308,13 +318,7 @@ void Connection::answer(const WebResponse& response, bool keep) {
 }
 
 void Viewer::start(const Request& request) {
-    auto timeouts = websocket::stream_base::timeout::suggested(beast::role_type::server);
-    timeouts.idle_timeout = std::chrono::seconds(60);
-    timeouts.keep_alive_pings = true;
-    socket_.set_option(timeouts);
-    socket_.read_message_max(kMostMessageBytes);
-    socket_.auto_fragment(false);
-    socket_.write_buffer_bytes(1 << 16);
+    set_socket_limits(socket_);
     socket_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
         if (error) return;
         self->open_ = true;
@@ -363,6 +367,12 @@ void Viewer::write() {
         busy_ = true;
         writing_ = std::move(texts_.front());
         texts_.pop_front();
+        socket_.text(true);
+        return socket_.async_write(asio::buffer(writing_), written);
+    }
+    if (newest_text_) {
+        busy_ = true;
+        writing_ = *std::exchange(newest_text_, nullptr);
         socket_.text(true);
         return socket_.async_write(asio::buffer(writing_), written);
     }

@@ -58,6 +58,8 @@ class ViewServer {
     virtual ~ViewServer() = default;
     virtual std::uint16_t port() const = 0;
     virtual void send(ViewerId viewer, std::string text) = 0;
+    /// To all viewers; one that another has overtaken before it was written is dropped.
+    virtual void tell_newest(std::string text) = 0;
     /// To all viewers, each as soon as it has acknowledged an earlier one; a frame that a newer one
     /// has overtaken by then is dropped.
     virtual void offer(std::shared_ptr<const ViewFrame> frame) = 0;

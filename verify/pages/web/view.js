@@ -315,7 +315,7 @@ document.addEventListener('keydown', (event) => {
   } else if (flights[key]) {
     if (!view.flying.size) remember();
     view.flying.add(key);
-    if (!view.flight) fly(performance.now());
+    if (!view.flight) fly(performance.now() - 20); // a short press is a short step
   } else if (keys[key]) {
     keys[key]();
   } else if (/^[1-7]$/.test(key)) {

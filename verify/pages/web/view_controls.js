@@ -112,8 +112,8 @@ function frameText(header, framesPerSecond, latency) {
 
 function showNumbers(header) {
   const { rays, stages } = header.statistics ?? {};
-  const seconds = header.render_seconds;
-  const rows = [['samples/s', `${rate(header.samples_per_second)}`], ['render', `${milliseconds(seconds)} ms`], ['encoding', `${milliseconds(header.encode_seconds)} ms`]];
+  const seconds = header.statistics?.seconds ?? header.render_seconds;
+  const rows = [['samples/s', `${rate(header.samples_per_second)}`], ['render', `${milliseconds(header.render_seconds)} ms`], ['encoding', `${milliseconds(header.encode_seconds)} ms`]];
   if (rays) {
     for (const kind of ['primary', 'bounce', 'shadow']) if (rays[kind] > 0) rows.push([`${kind} rays/s`, rate(rays[kind] / seconds)]);
     const launched = stages.reduce((sum, [, s]) => sum + s, 0);
