@@ -101,8 +101,13 @@ void FeatureObserver::count_queues(const StageView& stage) {
     } else if (stage.kind == StageKind::intersect_root) {
         for (std::uint32_t& count : counts_) ++count;
     } else {
-        for (const std::uint32_t ray : stage.get(buffers::queue)) {
-            if (ray < counts_.size()) ++counts_[ray];
+        const auto lengths = stage.get(buffers::node_counts);
+        const auto offsets = stage.get(buffers::queue_offsets);
+        const auto queue = stage.get(buffers::queue);
+        for (std::size_t node = 0; node < lengths.size(); ++node) {
+            for (const std::uint32_t ray : queue.subspan(offsets[node], lengths[node])) {
+                if (ray < counts_.size()) ++counts_[ray];
+            }
         }
     }
 }

@@ -10,6 +10,7 @@
 #include "reference/contract/buffers.h"
 #include "tests/verify/capture_tools.h"
 #include "verify/view/comparison.h"
+#include "verify/view/features.h"
 #include "verify/view/messages.h"
 #include "verify/view/render_loop.h"
 #include "verify/view/view_json.h"
@@ -105,6 +106,66 @@ TEST_CASE("view: launches are added up by stage, level and kind of ray", "[view]
     CHECK(found["rays"]["bounce"] == 90);
     CHECK(found["queues"][0] == std::vector<int>{100, 70});
     CHECK(found["levels"][0] == nlohmann::json{0, 2.25});
+}
+
+TEST_CASE("view: false colours and paths are what the stages gave", "[view]") {
+    for (const char* name : {"emulator", "simt"}) {
+        INFO(name);
+        PipelineInput input;
+        input.scene = scenes::load_scene("coil");
+        input.parameters = small_parameters();
+        input.parameters.spp = 1;
+        input.parameters.batch_rays = 100;
+        const std::uint32_t width = input.parameters.image_width;
+        const std::uint32_t height = input.parameters.image_height;
+        input.bvh = build_wide_bvh(input.scene, {input.parameters.width, 4, 0});
+        const Backend backend = backend_named(name, 0);
+        const auto feature = [&](ViewSubject subject) {
+            FeatureObserver observer(input.scene, width, height, subject);
+            const auto pipeline = backend.pipeline(input, &observer);
+            pipeline->render();
+            FeatureImage image = observer.take();
+            if (subject == ViewSubject::queues) {
+                // Each entry of each queue of the primary rays is somebody's.
+                double entries = 0.0;
+                for (const auto& launch : pipeline->launches()) {
+                    const bool primary =
+                        launch.bounce == 0 && launch.light == scotty::reference::kNotApplicable;
+                    if (primary && is_level_kernel(launch.kind)) {
+                        entries += static_cast<double>(launch.items);
+                    }
+                }
+                double sum = 0.0;
+                for (const float value : image.values) sum += static_cast<double>(value);
+                CHECK(sum == entries);
+            }
+            return image;
+        };
+        feature(ViewSubject::queues);
+        const FeatureImage distance = feature(ViewSubject::distance);
+        const FeatureImage primitive = feature(ViewSubject::primitive);
+        const FeatureImage normal = feature(ViewSubject::normal);
+        const FeatureImage bounces = feature(ViewSubject::bounces);
+        std::size_t hits = 0;
+        for (std::uint32_t pixel = 0; pixel < width * height; ++pixel) {
+            PathObserver observer(pixel);
+            backend.render(input, &observer);
+            const TracedPath& path = observer.path();
+            CHECK(path.vertices.empty() == std::isnan(distance.values[pixel]));
+            if (path.vertices.empty()) continue;
+            ++hits;
+            CHECK(path.vertices[0].distance == distance.values[pixel]);
+            CHECK(static_cast<float>(path.vertices[0].primitive) == primitive.values[pixel]);
+            CHECK(reference::length(normal.normals[pixel]) == Approx(1.0f));
+            const auto scatterings = path.vertices.size() - (path.escaped ? 0 : 1);
+            CHECK(bounces.values[pixel] <= static_cast<float>(path.vertices.size()));
+            CHECK(bounces.values[pixel] >= static_cast<float>(scatterings));
+            for (const PathVertex& vertex : path.vertices) {
+                CHECK(vertex.lights.size() <= input.parameters.light_samples);
+            }
+        }
+        CHECK(hits > width * height / 2);
+    }
 }
 
 TEST_CASE("view: a camera goes behind any scene", "[view]") {
