@@ -40,9 +40,9 @@ std::string tail_of(const fs::path& file) {
 
 }  // namespace
 
-Job::Job(std::vector<std::vector<std::string>> commands, fs::path folder,
+Job::Job(std::vector<std::vector<std::string>> commands, const fs::path& folder,
          std::function<void(const JobResult&)> done)
-    : output_(std::move(folder) / "output.txt"), done_(std::move(done)) {
+    : output_(folder / "output.txt"), done_(std::move(done)) {
     thread_ = std::thread([this, all = std::move(commands)] { run(all); });
 }
 
@@ -66,6 +66,7 @@ int Job::run_one(const std::vector<std::string>& words, JobResult& result) const
     std::vector<std::string> copy{"scotty"};
     copy.insert(copy.end(), words.begin(), words.end());
     std::vector<char*> arguments;
+    arguments.reserve(copy.size() + 1);
     for (std::string& word : copy) arguments.push_back(word.data());
     arguments.push_back(nullptr);
     posix_spawn_file_actions_t files;

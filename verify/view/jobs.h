@@ -21,7 +21,7 @@ struct JobResult {
 /// one fails with a code above 1. `done` is called once, by a thread of this object.
 class Job {
  public:
-    Job(std::vector<std::vector<std::string>> commands, std::filesystem::path folder,
+    Job(std::vector<std::vector<std::string>> commands, const std::filesystem::path& folder,
         std::function<void(const JobResult&)> done);
     /// Ends what runs, and waits for it.
     ~Job();

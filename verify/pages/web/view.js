@@ -3,7 +3,7 @@
 
 const picture = byId('picture');
 const overlay = byId('overlay');
-const view = { camera: null, header: null, path: null, undo: [], dragging: false, focus: false, times: [] };
+const view = { camera: null, header: null, path: null, undo: [], flying: new Set(), lastCamera: 0, dragging: false, focus: false, times: [] };
 
 function announce(text) { byId('announced').textContent = text; }
 function problem(text) {
@@ -20,15 +20,15 @@ function sceneDistance(camera) {
   return Math.max(along, 0.05 * size(sub(high, low)), 1e-6);
 }
 
-function takeCamera(camera) {
-  if (!view.scene || view.dragging || view.flying?.size || performance.now() < view.ownUntil) return;
+// Frames that are older than the last message from here show a camera that has been left since.
+function takeCamera({ camera, shows }) {
+  if (!view.scene || view.dragging || view.flying.size || shows < view.lastCamera) return;
   const now = view.camera;
   const same = now && size(sub(now.position, camera.position)) <= 1e-5 * (1 + size(camera.position)) && dot(now.forward, camera.forward) > 1 - 1e-9 && Math.abs(Math.tan(now.fov * degrees / 2) - camera.tan_half_fov) < 1e-5;
   if (same) return;
   view.camera = OrbitCamera.from(camera, now && view.path ? now.distance : sceneDistance(camera));
   showFov();
 }
-view.ownUntil = 0;
 
 function showFov() {
   byId('fov').value = Math.round(view.camera.fov);
@@ -45,6 +45,7 @@ function fitFrame(header) {
 const heard = {
   hello(message) {
     view.scene = message.scene;
+    view.lastCamera = 0;
     document.title = `${message.scene.name} – scotty view`;
     byId('scene').textContent = message.scene.name;
     byId('about').textContent = `${message.scene.triangles.toLocaleString('en')} triangles · scotty ${message.version}`;
@@ -123,7 +124,7 @@ function seen(header, bitmaps) {
     row += bitmap.height;
     bitmap.close();
   });
-  takeCamera(header.camera);
+  takeCamera(header);
   const now = performance.now();
   view.times = view.times.filter((t) => now - t < 1000).concat(now);
   byId('said').textContent = frameText(header, view.times.length > 1 ? view.times.length : 0, link.latency);
@@ -157,18 +158,17 @@ const controls = new Controls(send);
 
 // One message a picture of the screen, whatever a mouse sends.
 function sendCamera(moving) {
-  view.ownUntil = performance.now() + 400;
   showFov();
   if (!moving) {
     cancelAnimationFrame(view.pending);
     view.pending = 0;
-    send(view.camera.message(false));
+    view.lastCamera = send(view.camera.message(false));
     return;
   }
   if (view.pending) return;
   view.pending = requestAnimationFrame(() => {
     view.pending = 0;
-    send(view.camera.message(true));
+    view.lastCamera = send(view.camera.message(true));
   });
 }
 
@@ -193,8 +193,8 @@ function undo() {
   view.camera = before;
   sendCamera(false);
 }
-const frameAll = () => { if (view.camera) remember(); view.ownUntil = 0; send({ type: 'frame all' }); };
-const ownCamera = () => { if (view.camera) remember(); view.ownUntil = 0; send({ type: 'own camera' }); };
+const frameAll = () => { if (view.camera) remember(); view.lastCamera = send({ type: 'frame all' }); };
+const ownCamera = () => { if (view.camera) remember(); view.lastCamera = send({ type: 'own camera' }); };
 byId('all').addEventListener('click', frameAll);
 byId('own').addEventListener('click', ownCamera);
 byId('undo').addEventListener('click', undo);
@@ -273,7 +273,6 @@ picture.addEventListener('wheel', (event) => {
 const typing = (target) => target.closest('input:not([type=checkbox]), select, textarea, dialog') !== null;
 const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 const flights = { w: [0, 0, 1], s: [0, 0, -1], a: [-1, 0, 0], d: [1, 0, 0], q: [0, -1, 0], e: [0, 1, 0] };
-view.flying = new Set();
 
 function fly(then) {
   if (!view.flying.size) {
