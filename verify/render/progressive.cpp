@@ -43,10 +43,12 @@ class Passes : public reference::StageObserver {
         : input_(input), parameters_(input.parameters), listener_(listener) {}
 
     bool wants(StageKind kind) const override {
-        return kind == StageKind::reconstruct_image && samples_next_ != 0;
+        return kind == StageKind::reconstruct_image && (shows_all() || samples_next_ != 0);
     }
     bool follows_launches() const override { return false; }
     void on_stage(const StageView& stage) override {
+        if (shows_all()) samples_next_ = samples_counted(stage);
+        if (samples_next_ == 0) return;
         const auto image = stage.get(buffers::image);
         const auto deviations = stage.get(buffers::variance);
         SCOTTY_ASSERT(image.size(), ==,
@@ -58,11 +60,11 @@ class Passes : public reference::StageObserver {
     }
     void on_batch(std::uint64_t done, std::uint64_t count) override {
         if (done == count) return;
-        if (done == 0) plan_.emplace(plan_of(parameters_, count));
-        samples_next_ = samples_of_pass_that_ends(plan_->operator[](done));
-        if (samples_next_ <= samples_ ||
-            (listener_.wants_pass && !listener_.wants_pass(samples_next_))) {
-            samples_next_ = 0;
+        if (!shows_all()) {
+            if (done == 0) plan_.emplace(plan_of(parameters_, count));
+            samples_next_ = samples_of_pass_that_ends((*plan_)[done]);
+            const bool wanted = samples_next_ > samples_ && listener_.wants_pass(samples_next_);
+            if (!wanted) samples_next_ = 0;
         }
         if (listener_.stops(batch_text(done, count))) throw Stopped{};
     }
@@ -85,6 +87,19 @@ class Passes : public reference::StageObserver {
     }
 
  private:
+    /// Where every batch is shown anyway, its pixels say what it completes.
+    bool shows_all() const { return listener_.wants_pass == nullptr; }
+    std::uint32_t samples_counted(const StageView& stage) {
+        const auto pixel = stage.get(buffers::pixel);
+        const std::uint32_t last = parameters_.image_width * parameters_.image_height - 1;
+        // A render that ran out of memory begins again, with smaller batches.
+        if (stage.batch == 0) of_last_pixel_ = 0;
+        of_last_pixel_ += static_cast<std::uint32_t>(std::count(pixel.begin(), pixel.end(), last));
+        const bool ends = of_last_pixel_ > samples_ &&
+                          of_last_pixel_ % samples_of_pass(parameters_) == 0 &&
+                          of_last_pixel_ < parameters_.spp;
+        return ends ? of_last_pixel_ : 0;
+    }
     /// Of each pixel, when this batch is done; 0 where it ends no pass, or the last: with the last
     /// sample the sums become means, and the pipeline's own image is next.
     std::uint32_t samples_of_pass_that_ends(const reference::BatchView& batch) const {
@@ -99,8 +114,9 @@ class Passes : public reference::StageObserver {
     const PipelineParameters& parameters_;
     const ProgressiveListener& listener_;
     std::optional<reference::BatchPlan> plan_;
-    std::uint32_t samples_next_ = 0;  ///< that the batch in flight completes and that are shown
-    std::uint32_t samples_ = 0;       ///< of each pixel of sums_
+    std::uint32_t of_last_pixel_ = 0;  ///< samples added to the image's last pixel
+    std::uint32_t samples_next_ = 0;   ///< that the batch in flight completes and that are shown
+    std::uint32_t samples_ = 0;        ///< of each pixel of sums_
     std::vector<Vec3> sums_, deviations_;
 };
 

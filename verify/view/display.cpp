@@ -42,6 +42,9 @@ std::array<std::uint8_t, 65536> make_table(ToneMap tone) {
         const auto radiance = std::bit_cast<float>(upper << 16 | 0x8000u);
         table[upper] = std::isnan(radiance) ? std::uint8_t{0} : byte_of(radiance, tone);
     }
+    for (const float endless : {INFINITY, -INFINITY}) {  // whose lower half is no middle
+        table[std::bit_cast<std::uint32_t>(endless) >> 16] = byte_of(endless, tone);
+    }
     return table;
 }
 const std::array<std::uint8_t, 65536>& table_of(ToneMap tone) {

@@ -56,6 +56,7 @@ bool FeatureObserver::wants(StageKind kind) const {
 
 void FeatureObserver::on_retry(std::string_view /*stage*/, std::string_view /*reason*/) {
     std::fill(counts_.begin(), counts_.end(), 0u);
+    in_flight_.clear();
 }
 
 void FeatureObserver::on_stage(const StageView& stage) {
@@ -98,17 +99,25 @@ void FeatureObserver::count_queues(const StageView& stage) {
         for (std::size_t ray = 0; ray < counts_.size(); ++ray) {
             image_.values[pixel_[ray]] = static_cast<float>(counts_[ray]);
         }
-    } else if (stage.kind == StageKind::intersect_root) {
-        for (std::uint32_t& count : counts_) ++count;
-    } else {
-        const auto lengths = stage.get(buffers::node_counts);
-        const auto offsets = stage.get(buffers::queue_offsets);
-        const auto queue = stage.get(buffers::queue);
-        for (std::size_t node = 0; node < lengths.size(); ++node) {
-            for (const std::uint32_t ray : queue.subspan(offsets[node], lengths[node])) {
-                if (ray < counts_.size()) ++counts_[ray];
-            }
+        lengths_.resize(std::max(lengths_.size(), in_flight_.size()), 0);
+        for (std::size_t level = 0; level < in_flight_.size(); ++level) {
+            lengths_[level] += in_flight_[level];
         }
+        in_flight_.clear();
+        return;
+    }
+    std::uint64_t& entries = in_flight_.emplace_back(0);
+    if (stage.kind == StageKind::intersect_root) {
+        for (std::uint32_t& count : counts_) ++count;
+        entries = counts_.size();
+        return;
+    }
+    const auto lengths = stage.get(buffers::node_counts);
+    const auto offsets = stage.get(buffers::queue_offsets);
+    const auto queue = stage.get(buffers::queue);
+    for (std::size_t node = 0; node < lengths.size(); ++node) {
+        entries += lengths[node];
+        for (const std::uint32_t ray : queue.subspan(offsets[node], lengths[node])) ++counts_[ray];
     }
 }
 

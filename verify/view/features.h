@@ -26,6 +26,8 @@ class FeatureObserver : public reference::StageObserver {
 
     /// After the render.
     FeatureImage take();
+    /// Of ViewSubject::queues: entries of the primary rays' queues, level by level.
+    const std::vector<std::uint64_t>& queue_lengths() const { return lengths_; }
 
  private:
     void take_hits(const reference::StageView& stage);
@@ -35,6 +37,7 @@ class FeatureObserver : public reference::StageObserver {
     FeatureImage image_;
     std::vector<std::uint32_t> pixel_;  ///< by ray of the batch in flight
     std::vector<std::uint32_t> counts_;
+    std::vector<std::uint64_t> lengths_, in_flight_;  ///< of finished traversals; of the one now
 };
 
 /// A path, vertex by vertex.

@@ -554,6 +554,9 @@ void RenderLoop::State::render_feature(const ViewState& state, std::uint64_t num
     shown.samples = 1;
     shown.at_rest = !moving;
     fill_statistics(shown);
+    if (state.subject == ViewSubject::queues) {
+        shown.statistics["queues"][0] = observer.queue_lengths();
+    }
     shown_number_ = number;
     shown_at_rest_ = !moving;
     events_.shown(std::move(shown));
