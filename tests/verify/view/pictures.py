@@ -9,7 +9,7 @@ from view_protocol import Program
 
 def main():
     program, folder = os.path.abspath(sys.argv[1]), sys.argv[2]
-    with Browser() as browser, Program(program, "spheres", "--size", "480x360", "--spp", "256") as view:
+    with Browser() as browser, Program(program, "spheres", "--size", "320x240", "--spp", "48") as view:
         page = browser.page(view.link, 1280, 800)
         page.wait(COMPLETE, 600)
         for width in ("4", "8"):
