@@ -35,11 +35,14 @@ FileChoices take_choices(std::string& path) {
             const std::string choice = path.substr(begin, end - begin);
             if (!apply(choice, choices)) {
                 throw reference::Error::bad_input(
-                    whole, fmt::format("'#{}' is not understood; expected #camera=file (the file's "
-                                       "own), #camera=fit (frame everything) or #lights=none (add "
-                                       "no light where the file has none), or two of them with a "
-                                       "comma between",
-                                       choice));
+                    whole,
+                    fmt::format(
+                        "'#{}' is not understood; expected #camera=file (the file's "
+                        "own), #camera=fit (frame everything), #camera=FILE.camera (what scotty "
+                        "view has saved) or #lights=none (add "
+                        "no light where the file has none), or two of them with a "
+                        "comma between",
+                        choice));
             }
             begin = end + 1;
         }

@@ -6,9 +6,11 @@
 #include <array>
 #include <cctype>
 #include <filesystem>
+#include <optional>
 
 #include "reference/base/error.h"
 #include "scenes/built_in.h"
+#include "scenes/camera_file.h"
 #include "scenes/file_scene.h"
 #include "scenes/loaders.h"
 #include "scenes/mesh.h"
@@ -101,7 +103,9 @@ const std::vector<BuiltIn>& built_in_scenes() {
     return list;
 }
 
-Scene load_scene(const std::string& specification) {
+Scene load_scene(const std::string& given) {
+    std::string specification = given;
+    const std::optional<std::string> camera = take_camera_file(specification);
     const std::size_t colon = std::min(specification.find(':'), specification.size());
     const std::string name = specification.substr(0, colon);
     Scene scene;
@@ -114,8 +118,9 @@ Scene load_scene(const std::string& specification) {
     } else {
         scene = load_file(specification);
     }
+    if (camera) scene.camera = read_camera_file(*camera);
     finish_normals(scene);
-    scene.source = specification;
+    scene.source = given;
     reference::validate_and_repair(scene);
     return scene;
 }

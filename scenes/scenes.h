@@ -19,7 +19,8 @@ struct BuiltIn {
 const std::vector<BuiltIn>& built_in_scenes();
 
 /// Loads a scene by specification: a built-in's name, optionally with parameters
-/// ("blob:triangles=1000000"), or the path of a .dae, .obj, .ply, .gltf or .glb file.
+/// ("blob:triangles=1000000"), or the path of a .dae, .obj, .ply, .gltf or .glb file. Both may end
+/// in "#camera=FILE.camera": seen from a camera that `scotty view` has saved (camera_file.h).
 /// The result has been through reference::validate_and_repair().
 /// Throws reference::Error (bad_input) naming file and element, or the names that do exist.
 reference::Scene load_scene(const std::string& specification);

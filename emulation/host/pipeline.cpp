@@ -60,6 +60,10 @@ class Pipeline::State final : public reference::StagedPipeline {
 
  private:
     reference::StageLog& log() override { return log_; }
+    void take_view(const reference::Camera& camera) override {
+        scene_.camera = camera;
+        path_ = reference::path_parameters(parameters_);
+    }
     void resize_paths(std::size_t rays) override { paths_.resize(rays); }
     void launch_primary_rays(const StagePlace& place, const BatchView& batch) override;
     void launch_direct_light(const StagePlace& place) override;
@@ -202,6 +206,9 @@ Pipeline::Pipeline(const reference::Scene& scene, const reference::WideBvh& bvh,
 Pipeline::~Pipeline() = default;
 
 reference::Image Pipeline::render() { return state_->render(); }
+void Pipeline::look(const reference::Camera& camera, const PipelineParameters& parameters) {
+    state_->look(camera, parameters);
+}
 void Pipeline::trace(std::span<const Ray> rays, TraversalKind kind, std::span<Hit> hits) {
     state_->trace(rays, kind, hits);
 }

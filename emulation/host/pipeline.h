@@ -29,6 +29,8 @@ class Pipeline final : public reference::PipelineInterface {
     ~Pipeline() override;
 
     reference::Image render() override;
+    void look(const reference::Camera& camera,
+              const reference::PipelineParameters& parameters) override;
     void trace(std::span<const reference::Ray> rays, TraversalKind kind,
                std::span<reference::Hit> hits) override;
     /// By the clock.

@@ -17,6 +17,7 @@ class DeviceScene {
     DeviceScene(const reference::Scene& scene, const reference::WideBvh& bvh, MemoryBudget& budget);
 
     reference::SceneView view() const { return view_; }
+    void set_camera(const reference::Camera& camera) { view_.camera = camera; }
     template <int Width>
     BvhView<Width> bvh() const {
         return {reinterpret_cast<const reference::WideNode<Width>*>(inner_.data()),

@@ -92,6 +92,10 @@ class DevicePipeline final : public reference::StagedPipeline {
  private:
     void render_in_batches();
     reference::StageLog& log() override { return log_; }
+    void take_view(const reference::Camera& camera) override {
+        scene_.set_camera(camera);
+        path_ = reference::path_parameters(parameters_);
+    }
     void resize_paths(std::size_t rays) override { paths_.resize(rays); }
     void launch_primary_rays(const StagePlace& place, const BatchView& batch) override;
     void launch_direct_light(const StagePlace& place) override;
@@ -142,7 +146,7 @@ reference::Image DevicePipeline::render() {
             cudaStreamSynchronize(stream_.get());
             traversal_.release();
             paths_.release();
-            parameters_.batch_rays /= 2;
+            halve_batches();
             log_.retry("", std::string(error.what()) + "; again with batches of " +
                                std::to_string(parameters_.batch_rays) + " rays");
         }

@@ -10,6 +10,7 @@
 #include "reference/contract/image.h"
 #include "reference/contract/launch_record.h"
 #include "reference/contract/owned_buffer.h"
+#include "reference/contract/pipeline_parameters.h"
 #include "reference/contract/records.h"
 #include "reference/contract/stage_observer.h"
 
@@ -26,6 +27,12 @@ class PipelineInterface {
 
     /// The image; filtered where parameters.filter asks for it.
     virtual Image render() = 0;
+
+    /// Later renders are of this camera and these parameters; scene, tree and buffers stay where
+    /// they are. What a tree or a kernel was chosen by must be as it was made: the groups tree,
+    /// pipeline (without batch_rays and samples_per_pass) and arithmetic. Throws bad_input where
+    /// the parameters are not valid, and where the pipeline cannot change its view.
+    virtual void look(const Camera& camera, const PipelineParameters& parameters) = 0;
 
     /// Traces rays that came from elsewhere: one hit per ray. For TraversalKind::any under an
     /// early-out only is_hit() is meaningful. Throws bad_input naming the ray for NaN, infinite

@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "reference/base/assert.h"
 #include "reference/contract/batch_plan.h"
+#include "reference/contract/parameter_table.h"
 #include "reference/contract/stage_inputs.h"
 
 namespace scotty::reference {
@@ -35,6 +38,20 @@ bool finite(const Vec3& v) {
 StagedPipeline::StagedPipeline(const PipelineParameters& parameters, std::uint32_t triangle_count)
     : parameters_(parameters), triangle_count_(triangle_count) {
     validate(parameters_);
+}
+
+void StagedPipeline::look(const Camera& camera, const PipelineParameters& parameters) {
+    validate(parameters);
+    for (const ParameterInfo& info : kParameters) {
+        const bool is_of_making = info.group == ParameterGroup::tree ||
+                                  info.group == ParameterGroup::arithmetic ||
+                                  (info.group == ParameterGroup::pipeline &&
+                                   info.name != "batch_rays" && info.name != "samples_per_pass");
+        if (is_of_making) SCOTTY_ASSERT(info.get(parameters), ==, info.get(parameters_));
+    }
+    parameters_ = parameters;
+    parameters_.batch_rays = std::min(parameters.batch_rays, most_batch_rays_);
+    take_view(camera);
 }
 
 bool StagedPipeline::filters() const {

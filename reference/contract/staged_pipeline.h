@@ -16,6 +16,7 @@ namespace scotty::reference {
 class StagedPipeline : public PipelineInterface {
  public:
     std::vector<OwnedBuffer> run_stage(const StageView& stage) final;
+    void look(const Camera& camera, const PipelineParameters& parameters) final;
 
  protected:
     /// Throws bad_input where the parameters are not valid.
@@ -31,9 +32,14 @@ class StagedPipeline : public PipelineInterface {
     /// Throws bad_input naming the ray that traversal cannot take.
     static void expect_traceable(std::span<const Ray> rays);
 
+    /// Batches of half as many rays, now and after every look().
+    void halve_batches() { most_batch_rays_ = parameters_.batch_rays /= 2; }
+
     PipelineParameters parameters_;
 
  private:
+    /// The camera of later renders, which are of parameters_.
+    virtual void take_view(const Camera& camera) = 0;
     virtual StageLog& log() = 0;
     /// Makes room for the paths in flight.
     virtual void resize_paths(std::size_t rays) = 0;
@@ -64,6 +70,7 @@ class StagedPipeline : public PipelineInterface {
     void load_paths_of(const StageView& stage, const Buffer<Ray>& rays);
 
     std::uint32_t triangle_count_;
+    std::uint32_t most_batch_rays_ = kNotApplicable;  ///< that fit the memory
 };
 
 }  // namespace scotty::reference

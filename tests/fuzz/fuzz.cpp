@@ -27,6 +27,8 @@ extern "C" int LLVMFuzzerInitialize(int*, char***) {
 #ifdef SCOTTY_FUZZ_COMMAND_LINE
     static const std::vector<scotty::tests::Reader> readers{
         {"command_line", scotty::tests::read_command_line}};
+#elif defined(SCOTTY_FUZZ_VIEW)
+    const auto& readers = scotty::tests::view_readers();
 #else
     const auto& readers = scotty::tests::file_readers();
 #endif

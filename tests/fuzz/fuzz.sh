@@ -18,7 +18,13 @@ if ! have_fuzzer; then
     [[ -z ${SCOTTY_REQUIRE_FUZZ:-} ]] && exit 77 || exit 1
 fi
 
-program() { [[ $1 == command_line ]] && echo "$build/bin/fuzz_command_line" || echo "$build/bin/fuzz_files"; }
+program() {
+    case $1 in
+        command_line) echo "$build/bin/fuzz_command_line" ;;
+        view_*) echo "$build/bin/fuzz_view" ;;
+        *) echo "$build/bin/fuzz_files" ;;
+    esac
+}
 
 fuzz() { # READER NEW_INPUTS OPTION...
     local reader=$1 inputs=$2
@@ -31,7 +37,7 @@ fuzz() { # READER NEW_INPUTS OPTION...
 case ${1:-} in
     build)
         cmake --preset fuzz >/dev/null
-        ninja -C "$build" fuzz_files fuzz_command_line | tail -n 5
+        ninja -C "$build" fuzz_files fuzz_command_line fuzz_view | tail -n 5
         ;;
     short)
         inputs=$(mktemp -d)

@@ -22,6 +22,9 @@ struct Reader {
 /// The readers of files; the command line's needs all of scotty: command_line_reader.cpp.
 const std::vector<Reader>& file_readers();
 
+/// Of what a client sends to `scotty view`: view_readers.cpp.
+const std::vector<Reader>& view_readers();
+
 /// Reads bytes as arguments, one per line. They are parsed, and not carried out.
 void read_command_line(const std::filesystem::path& folder, std::string_view bytes);
 

@@ -74,6 +74,12 @@ TEST_CASE("fuzz: what the fuzzers start from, and changes of it, is read or refu
     }
 }
 
+TEST_CASE("fuzz: what strangers can send to a view is answered or refused", "[fuzz][view]") {
+    for (const Reader& reader : tests::view_readers()) {
+        DYNAMIC_SECTION(reader.name) { CHECK(hold(reader, 300) > 0); }
+    }
+}
+
 TEST_CASE("fuzz: command lines, and changes of them, are read or refused", "[fuzz]") {
     CHECK(hold({"command_line", tests::read_command_line}, 200) > 0);
 }

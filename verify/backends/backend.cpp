@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <utility>
 
 #include "emulation/host/pipeline.h"
 #include "reference/base/error.h"
+#include "reference/truth/embree_renderer.h"
+#include "reference/truth/tracers.h"
 #include "verify/backends/cuda/cuda_backend.h"
 #include "verify/backends/simt/simt_pipeline.h"
 
@@ -28,10 +31,23 @@ std::string written_by(const void* shown) {
 
 class RenderOnly final : public reference::PipelineInterface {
  public:
-    RenderOnly(std::string name, std::function<reference::Image()> render)
-        : name_(std::move(name)), render_(std::move(render)) {}
+    RenderOnly(std::string name, RenderFunction render, const Scene& scene, const WideBvh& bvh,
+               const PipelineParameters& parameters, reference::StageObserver* observer)
+        : name_(std::move(name)),
+          render_(std::move(render)),
+          scene_(&scene),
+          bvh_(bvh),
+          parameters_(parameters),
+          observer_(observer) {}
 
-    reference::Image render() override { return render_(); }
+    reference::Image render() override { return render_(*scene_, bvh_, parameters_, observer_); }
+    void look(const reference::Camera& camera, const PipelineParameters& parameters) override {
+        validate(parameters);
+        if (!seen_) seen_ = *scene_;
+        seen_->camera = camera;
+        scene_ = &*seen_;
+        parameters_ = parameters;
+    }
     void trace(std::span<const reference::Ray> /*rays*/, reference::TraversalKind /*kind*/,
                std::span<reference::Hit> /*hits*/) override {
         refuse();
@@ -53,7 +69,12 @@ class RenderOnly final : public reference::PipelineInterface {
     }
 
     std::string name_;
-    std::function<reference::Image()> render_;
+    RenderFunction render_;
+    const Scene* scene_;
+    std::optional<Scene> seen_;  ///< the same from another camera
+    const WideBvh& bvh_;
+    PipelineParameters parameters_;
+    reference::StageObserver* observer_;
     std::vector<reference::LaunchRecord> launches_;
 };
 
@@ -91,8 +112,7 @@ Backend render_only(std::string name, RenderFunction render) {
         [name = backend.name, render = std::move(render)](
             const Scene& scene, const WideBvh& bvh, const PipelineParameters& p,
             const PipelineMaking& making) -> std::unique_ptr<reference::PipelineInterface> {
-        return std::make_unique<RenderOnly>(
-            name, [&, p, observer = making.observer] { return render(scene, bvh, p, observer); });
+        return std::make_unique<RenderOnly>(name, render, scene, bvh, p, making.observer);
     };
     return backend;
 }
@@ -100,6 +120,22 @@ Backend render_only(std::string name, RenderFunction render) {
 const std::vector<std::string>& backend_names() {
     static const std::vector<std::string> names{"emulator", "simt", "cuda"};
     return names;
+}
+
+Backend embree_backend(std::size_t threads) {
+    Backend backend;
+    backend.name = "embree";
+    backend.make = [threads](const Scene& scene, const WideBvh& bvh, const PipelineParameters& p,
+                             const PipelineMaking& making) {
+        const auto tracer = std::make_shared<const reference::EmbreeTracer>(scene);
+        const auto render = [threads, tracer](const Scene& seen, const WideBvh& /*bvh*/,
+                                              const PipelineParameters& parameters,
+                                              reference::StageObserver* observer) {
+            return render_with_embree(seen, parameters, *tracer, threads, observer);
+        };
+        return std::make_unique<RenderOnly>("embree", render, scene, bvh, p, making.observer);
+    };
+    return backend;
 }
 
 Backend backend_named(const std::string& name, const emulation::DeviceOptions& device) {

@@ -49,6 +49,9 @@ using RenderFunction = std::function<reference::Image(
     reference::StageObserver*)>;
 Backend render_only(std::string name, RenderFunction render);
 
+/// Embree's paths (reference/truth/embree_renderer.h), for pictures only. `threads` 0: all.
+Backend embree_backend(std::size_t threads);
+
 /// By its name on the command line. Throws bad_input naming those there are, and
 /// missing_environment where this machine or this build cannot serve it. `device`: threads of the
 /// CPU and the order of blocks (and, in simt, of threads), where the CPU is what runs.

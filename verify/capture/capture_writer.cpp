@@ -158,7 +158,8 @@ BufferRecord CaptureWriter::store(const StageView& stage, const BufferView& buff
 
 void CaptureWriter::write(const std::string& name, const BufferView& buffer, const void* data) {
     if (kept_.contains(name)) return;
-    if (buffer.bytes <= memory_left_) {
+    // An empty buffer needs no memory, but a file where nothing is kept.
+    if (memory_left_ != 0 && buffer.bytes <= memory_left_) {
         const auto* first = static_cast<const std::byte*>(data);
         kept_.emplace(name, std::vector<std::byte>(first, first + buffer.bytes));
         memory_left_ -= buffer.bytes;

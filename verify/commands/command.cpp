@@ -159,6 +159,7 @@ std::variant<Action, int> read_command_line(int argc, char** argv) {
     add_list_command(app, action);
     add_info_command(app, action);
     add_render_command(app, action);
+    add_view_command(app, action);
     add_verify_command(app, action, join(argc, argv));
     add_bench_command(app, action);
     add_analyze_command(app, action);

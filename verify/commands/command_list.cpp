@@ -38,6 +38,7 @@ void add_list_command(CLI::App& app, Action& action) {
             }
             text +=
                 "\nor the path of a .dae, .obj, .ply, .gltf or .glb file; at its end may stand\n"
+                "#camera=FILE.camera   a camera that scotty view has saved, for any scene\n"
                 "#camera=file   the file's own camera, #camera=fit one that frames everything\n"
                 "#lights=none   add no light where the file has none (or both: "
                 "#camera=fit,lights=none)\n";

@@ -16,8 +16,6 @@
 
 #include "reference/base/error.h"
 #include "reference/contract/wide_bvh.h"
-#include "reference/truth/embree_renderer.h"
-#include "reference/truth/tracers.h"
 #include "scenes/scenes.h"
 #include "verify/backends/backend.h"
 #include "verify/base/progress.h"
@@ -59,15 +57,6 @@ class ProgressObserver : public reference::StageObserver {
     Progress& progress_;
 };
 
-/// Embree's paths as one more back end, for pictures only.
-Backend embree(std::size_t threads) {
-    return render_only("embree", [threads](const reference::Scene& scene, const reference::WideBvh&,
-                                           const reference::PipelineParameters& p,
-                                           reference::StageObserver* observer) {
-        return render_with_embree(scene, p, reference::EmbreeTracer(scene), threads, observer);
-    });
-}
-
 Image render(const Backend& backend, const PipelineInput& input) {
     Progress progress;
     ProgressObserver observer(progress);
@@ -104,8 +93,8 @@ int run_render(RenderOptions options) {
             "--backend", fmt::format("expected one of {}, embree, found '{}'",
                                      fmt::join(names, ", "), options.backend.name));
     }
-    const Backend backend =
-        by_embree ? embree(options.threads) : chosen_backend(options.backend, options.threads, p);
+    const Backend backend = by_embree ? embree_backend(options.threads)
+                                      : chosen_backend(options.backend, options.threads, p);
     if (!by_embree) expect_arithmetic(backend, p);
     // Whoever looks for a fault wants as much of the code as there is.
     const bool looks_for_faults = options.backend.check || !options.backend.plant.empty();

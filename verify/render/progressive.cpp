@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "emulation/host/pipeline.h"
 #include "reference/base/assert.h"
+#include "reference/contract/batch_plan.h"
 #include "reference/numerics/pixel_sums.h"
 
 namespace scotty::verify {
@@ -24,30 +27,46 @@ using reference::Vec3;
 /// Thrown through the pipeline that is to stop.
 struct Stopped {};
 
-/// The emulator's filter, whoever rendered: filters are the same bits everywhere.
-Image filtered(const PipelineInput& input, const Image& image) {
-    StageView stage;
-    stage.kind = StageKind::filter;
-    stage.name = to_string(stage.kind);
-    stage.inputs = {reference::buffer_view(buffers::image, std::span<const Vec3>(image.pixels))};
-    const auto outputs =
-        emulation::Pipeline(input.scene, input.bvh, input.parameters).run_stage(stage);
-    SCOTTY_ASSERT(outputs.size(), ==, 1u);
-    const auto* pixels = reinterpret_cast<const Vec3*>(outputs[0].bytes.data());
-    return {image.width, image.height, {pixels, pixels + image.pixels.size()}};
+/// The plan of a render that announces so many batches: one that ran out of memory begins again
+/// with batches of half as many rays.
+reference::BatchPlan plan_of(PipelineParameters parameters, std::uint64_t count) {
+    while (reference::BatchPlan(parameters).size() < count && parameters.batch_rays > 1) {
+        parameters.batch_rays /= 2;
+    }
+    return reference::BatchPlan(parameters);
 }
 
-/// Keeps the sums of the last complete pass, which reconstruct_image shows batch by batch.
+/// Keeps the sums of the last complete pass, which reconstruct_image shows.
 class Passes : public reference::StageObserver {
  public:
     Passes(const PipelineInput& input, const ProgressiveListener& listener)
         : input_(input), parameters_(input.parameters), listener_(listener) {}
 
-    bool wants(StageKind kind) const override { return kind == StageKind::reconstruct_image; }
+    bool wants(StageKind kind) const override {
+        return kind == StageKind::reconstruct_image && (shows_all() || samples_next_ != 0);
+    }
     bool follows_launches() const override { return false; }
-    void on_stage(const StageView& stage) override { follow(stage); }
+    void on_stage(const StageView& stage) override {
+        if (shows_all()) samples_next_ = samples_counted(stage);
+        if (samples_next_ == 0) return;
+        const auto image = stage.get(buffers::image);
+        const auto deviations = stage.get(buffers::variance);
+        SCOTTY_ASSERT(image.size(), ==,
+                      std::size_t{parameters_.image_width} * parameters_.image_height);
+        sums_.assign(image.begin(), image.end());
+        deviations_.assign(deviations.begin(), deviations.end());
+        samples_ = samples_next_;
+        listener_.on_pass(samples_, [this] { return picture(); });
+    }
     void on_batch(std::uint64_t done, std::uint64_t count) override {
-        if (done < count && listener_.stops(batch_text(done, count))) throw Stopped{};
+        if (done == count) return;
+        if (!shows_all()) {
+            if (done == 0) plan_.emplace(plan_of(parameters_, count));
+            samples_next_ = samples_of_pass_that_ends((*plan_)[done]);
+            const bool wanted = samples_next_ > samples_ && listener_.wants_pass(samples_next_);
+            if (!wanted) samples_next_ = 0;
+        }
+        if (listener_.stops(batch_text(done, count))) throw Stopped{};
     }
 
     std::uint32_t samples() const { return samples_; }
@@ -64,53 +83,130 @@ class Passes : public reference::StageObserver {
         if (samples_ == 1) image.variance.clear();
         const bool smooth = parameters_.filter != reference::Filter::none &&
                             samples_ < parameters_.filter_threshold;
-        return smooth ? filtered(input_, image) : image;
+        return smooth ? filtered_image(input_, image) : image;
     }
 
  private:
-    void follow(const StageView& stage) {
+    /// Where every batch is shown anyway, its pixels say what it completes.
+    bool shows_all() const { return listener_.wants_pass == nullptr; }
+    std::uint32_t samples_counted(const StageView& stage) {
         const auto pixel = stage.get(buffers::pixel);
-        const auto image = stage.get(buffers::image);
-        const auto deviations = stage.get(buffers::variance);
         const std::uint32_t last = parameters_.image_width * parameters_.image_height - 1;
-        SCOTTY_ASSERT(image.size(), ==, std::size_t{last} + 1);
         // A render that ran out of memory begins again, with smaller batches.
         if (stage.batch == 0) of_last_pixel_ = 0;
         of_last_pixel_ += static_cast<std::uint32_t>(std::count(pixel.begin(), pixel.end(), last));
-        // With the last sample the sums have become means, and the pipeline's own image is next.
-        const bool pass_is_complete = of_last_pixel_ > samples_ &&
-                                      of_last_pixel_ % samples_of_pass(parameters_) == 0 &&
-                                      of_last_pixel_ < parameters_.spp;
-        if (!pass_is_complete) return;
-        sums_.assign(image.begin(), image.end());
-        deviations_.assign(deviations.begin(), deviations.end());
-        samples_ = of_last_pixel_;
-        listener_.on_pass(samples_, [this] { return picture(); });
+        const bool ends = of_last_pixel_ > samples_ &&
+                          of_last_pixel_ % samples_of_pass(parameters_) == 0 &&
+                          of_last_pixel_ < parameters_.spp;
+        return ends ? of_last_pixel_ : 0;
+    }
+    /// Of each pixel, when this batch is done; 0 where it ends no pass, or the last: with the last
+    /// sample the sums become means, and the pipeline's own image is next.
+    std::uint32_t samples_of_pass_that_ends(const reference::BatchView& batch) const {
+        const std::uint32_t pixels = parameters_.image_width * parameters_.image_height;
+        const std::uint32_t samples = batch.first_sample + batch.samples;
+        const bool ends = batch.first_pixel + batch.pixels == pixels &&
+                          samples % samples_of_pass(parameters_) == 0 && samples < parameters_.spp;
+        return ends ? samples : 0;
     }
 
     const PipelineInput& input_;
     const PipelineParameters& parameters_;
     const ProgressiveListener& listener_;
+    std::optional<reference::BatchPlan> plan_;
     std::uint32_t of_last_pixel_ = 0;  ///< samples added to the image's last pixel
+    std::uint32_t samples_next_ = 0;   ///< that the batch in flight completes and that are shown
     std::uint32_t samples_ = 0;        ///< of each pixel of sums_
     std::vector<Vec3> sums_, deviations_;
 };
 
 }  // namespace
 
+Image filtered_image(const PipelineInput& input, const Image& image) {
+    StageView stage;
+    stage.kind = StageKind::filter;
+    stage.name = to_string(stage.kind);
+    stage.inputs = {reference::buffer_view(buffers::image, std::span<const Vec3>(image.pixels))};
+    const auto outputs =
+        emulation::Pipeline(input.scene, input.bvh, input.parameters).run_stage(stage);
+    SCOTTY_ASSERT(outputs.size(), ==, 1u);
+    const auto* pixels = reinterpret_cast<const Vec3*>(outputs[0].bytes.data());
+    return {image.width, image.height, {pixels, pixels + image.pixels.size()}};
+}
+
 std::string batch_text(std::uint64_t done, std::uint64_t count) {
     return fmt::format("batch {} of {}", std::min(done + 1, count), count);
 }
 
+class ProgressiveRenderer::State {
+ public:
+    State(const Backend& backend, const PipelineInput& input, bool timed)
+        : input_(input),
+          pipeline_(backend.make(input.scene, input.bvh, input.parameters,
+                                 {.observer = &relay_, .timed = timed})) {}
+
+    ProgressiveImage render(const ProgressiveListener& listener) {
+        Passes passes(input_, listener);
+        try {
+            return {render_observed(passes), input_.parameters.spp};
+        } catch (const Stopped&) {
+            if (passes.samples() == 0) return {};
+            return {passes.picture(), passes.samples()};
+        }
+    }
+    Image render_observed(reference::StageObserver& observer) {
+        pipeline_->look(input_.scene.camera, input_.parameters);
+        const Watched watched(relay_, observer);
+        return pipeline_->render();
+    }
+    reference::PipelineInterface& pipeline() { return *pipeline_; }
+
+ private:
+    /// Hands everything on to whoever is watching at the time.
+    class Relay : public reference::StageObserver {
+     public:
+        bool wants(StageKind kind) const override { return to != nullptr && to->wants(kind); }
+        bool follows_launches() const override { return to != nullptr && to->follows_launches(); }
+        void on_batch(std::uint64_t done, std::uint64_t count) override {
+            if (to != nullptr) to->on_batch(done, count);
+        }
+        void on_stage(const StageView& stage) override { to->on_stage(stage); }
+        void on_retry(std::string_view stage, std::string_view reason) override {
+            if (to != nullptr) to->on_retry(stage, reason);
+        }
+
+        reference::StageObserver* to = nullptr;
+    };
+    struct Watched {
+        Watched(Relay& through, reference::StageObserver& observer) : relay(through) {
+            relay.to = &observer;
+        }
+        ~Watched() { relay.to = nullptr; }
+        Watched(const Watched&) = delete;
+        Watched& operator=(const Watched&) = delete;
+        Relay& relay;
+    };
+
+    const PipelineInput& input_;
+    Relay relay_;
+    std::unique_ptr<reference::PipelineInterface> pipeline_;
+};
+
+ProgressiveRenderer::ProgressiveRenderer(const Backend& backend, const PipelineInput& input,
+                                         bool timed)
+    : state_(std::make_unique<State>(backend, input, timed)) {}
+ProgressiveRenderer::~ProgressiveRenderer() = default;
+ProgressiveImage ProgressiveRenderer::render(const ProgressiveListener& listener) {
+    return state_->render(listener);
+}
+Image ProgressiveRenderer::render_observed(reference::StageObserver& observer) {
+    return state_->render_observed(observer);
+}
+reference::PipelineInterface& ProgressiveRenderer::pipeline() { return state_->pipeline(); }
+
 ProgressiveImage render_progressively(const Backend& backend, const PipelineInput& input,
                                       const ProgressiveListener& listener) {
-    Passes passes(input, listener);
-    try {
-        return {backend.render(input, &passes), input.parameters.spp};
-    } catch (const Stopped&) {
-        if (passes.samples() == 0) return {};
-        return {passes.picture(), passes.samples()};
-    }
+    return ProgressiveRenderer(backend, input).render(listener);
 }
 
 }  // namespace scotty::verify

@@ -6,8 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "reference/truth/embree_renderer.h"
-#include "reference/truth/tracers.h"
 #include "tests/verify/capture_tools.h"
 #include "verify/base/stop_signal.h"
 #include "verify/render/progressive.h"
@@ -26,13 +24,6 @@ using reference::Vec3;
 bool same_bits(const Image& a, const Image& b) {
     return a.width == b.width && a.height == b.height && a.pixels.size() == b.pixels.size() &&
            std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(Vec3)) == 0;
-}
-
-Backend embree() {
-    return render_only("embree", [](const reference::Scene& scene, const reference::WideBvh&,
-                                    const PipelineParameters& p, StageObserver* observer) {
-        return render_with_embree(scene, p, reference::EmbreeTracer(scene), 0, observer);
-    });
 }
 
 /// One pass after the other, beside ordinary renders of as many samples.
@@ -71,7 +62,7 @@ TEST_CASE("progressive: every pass is the render of that many samples, bit for b
           "[verify][progressive]") {
     for (const std::uint32_t batch : {1u << 16, 37u}) {
         for (const Backend& backend :
-             {backend_named("emulator", 0), backend_named("simt", 0), embree()}) {
+             {backend_named("emulator", 0), backend_named("simt", 0), embree_backend(0)}) {
             INFO(backend.name << ", batches of " << batch);
             PipelineParameters p = passes_of(1, 4);
             p.batch_rays = batch;
@@ -86,6 +77,44 @@ TEST_CASE("progressive: every pass is the render of that many samples, bit for b
     p.image_width = p.image_height = 3;
     p.batch_rays = 2;
     check_passes(backend_named("emulator", 0), p, {3, 6});
+}
+
+TEST_CASE("progressive: one pipeline renders other cameras and sizes as new ones would",
+          "[verify][progressive]") {
+    for (const Backend& backend :
+         {backend_named("emulator", 0), backend_named("simt", 0), embree_backend(0)}) {
+        INFO(backend.name);
+        PipelineInput input = spheres_input(passes_of(0, 2));
+        const ProgressiveListener nobody{[](std::uint32_t, const std::function<Image()>&) {},
+                                         [](const std::string&) { return false; }};
+        ProgressiveRenderer renderer(backend, input);
+        for (std::uint32_t i = 0; i < 4; ++i) {
+            input.scene.camera.position.x += 0.1f * static_cast<float>(i);
+            input.parameters.image_width = 20 - 3 * i;
+            input.parameters.spp = 1 + i % 2;
+            input.parameters.seed = i;
+            input.parameters.bounces = i;
+            input.parameters.batch_rays = 100 + i;
+            CHECK(same_bits(renderer.render(nobody).image, backend.render(input, nullptr)));
+        }
+    }
+}
+
+TEST_CASE("progressive: only passes that are wanted are shown", "[verify][progressive]") {
+    for (const std::uint32_t batch : {1u << 16, 37u}) {
+        PipelineParameters p = passes_of(1, 6);
+        p.batch_rays = batch;
+        std::vector<std::uint32_t> shown;
+        const ProgressiveImage last =
+            render_progressively(backend_named("emulator", 0), spheres_input(p),
+                                 {[&](std::uint32_t samples, const std::function<Image()>&) {
+                                      shown.push_back(samples);
+                                  },
+                                  [](const std::string&) { return false; },
+                                  [](std::uint32_t samples) { return samples % 2 == 0; }});
+        CHECK(shown == std::vector<std::uint32_t>{2, 4});
+        CHECK(last.samples == 6);
+    }
 }
 
 TEST_CASE("progressive: the filter is applied below the threshold and no longer",

@@ -34,6 +34,10 @@ class SimtPipeline final : public gpu::Pipeline {
         const CurrentDevice here(executor_);
         return pipeline_->render();
     }
+    void look(const reference::Camera& camera,
+              const reference::PipelineParameters& parameters) override {
+        pipeline_->look(camera, parameters);
+    }
     void trace(std::span<const reference::Ray> rays, gpu::TraversalKind kind,
                std::span<reference::Hit> hits) override {
         const CurrentDevice here(executor_);
