@@ -1,9 +1,7 @@
 #include "tests/fuzz/readers.h"
 
 #include <fstream>
-#include <stdexcept>
 
-#include "reference/base/error.h"
 #include "scenes/scenes.h"
 #include "verify/capture/capture.h"
 #include "verify/capture/npy.h"
@@ -68,20 +66,6 @@ const std::vector<Reader>& file_readers() {
         {"npy", read_npy},           {"rays", read_rays},       {"triangles", read_triangles},
         {"manifest", read_manifest}, {"waivers", read_waivers}, {"ledger", read_ledger}};
     return readers;
-}
-
-bool try_reader(const Reader& reader, const fs::path& folder, std::string_view bytes) {
-    try {
-        reader.read(folder, bytes);
-        return true;
-    } catch (const reference::Error& error) {
-        if (error.kind() == reference::ErrorKind::bad_input) return false;
-        throw std::logic_error(std::string(reader.name) +
-                               ": refused, but not as bad input: " + error.what());
-    } catch (const std::exception& error) {
-        throw std::logic_error(std::string(reader.name) +
-                               ": not refused, but thrown: " + error.what());
-    }
 }
 
 }  // namespace scotty::tests
