@@ -21,10 +21,13 @@
 #include "reference/truth/embree_renderer.h"
 #include "reference/truth/tracers.h"
 #include "verify/backends/backend.h"
+#include "verify/backends/temporary_capture.h"
 #include "verify/base/ask.h"
 #include "verify/base/same_bits.h"
 #include "verify/capture/pipeline_input.h"
 #include "verify/capture/recording.h"
+#include "verify/diff/diff.h"
+#include "verify/diff/replay.h"
 #include "verify/oracles/interval_check.h"
 #include "verify/oracles/refusal_check.h"
 #include "verify/oracles/trace_check.h"
@@ -41,6 +44,9 @@ using reference::StageView;
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+/// Where no more paths than these run, all stages are run alone, too.
+constexpr std::size_t kMostPathsAlone = 64;
 
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
@@ -366,6 +372,9 @@ class SceneVerification {
         }
         if (out.counts.failures == 0 && settings_.stage_pattern.empty()) {
             check_unwatched(bvh, p, backend, recording.image, out);
+            if (recording.radiance.size() <= kMostPathsAlone) {
+                check_stages_alone(bvh, p, backend, out);
+            }
             if (settings_.oracles) trace_rays(bvh, p, backend, recording, out);
         }
         if (settings_.schedules != 0) run_schedules(bvh, p, index, out);
@@ -393,6 +402,26 @@ class SceneVerification {
         failure.stage = "render";
         out.failures.push_back(std::move(failure));
         ++out.counts.failures;
+    }
+
+    /// A stage is a function of its inputs: run alone on those of the emulator's run, each gives
+    /// that run's outputs. Replay and isolated diffs are of no worth where it does not.
+    void check_stages_alone(const reference::WideBvh& bvh, const PipelineParameters& p,
+                            const Backend& backend, ConfigurationReport& out) {
+        const TemporaryCapture capture(backend_named("emulator", settings_.threads),
+                                       input_of(bvh, p));
+        const DiffReport report = diff_isolated(capture.get(), backend, {});
+        for (const StageResult& stage : report.stages) {
+            if (!stage.failed()) continue;
+            Failure failure;
+            failure.invariant = "same-alone";
+            failure.stage = stage.name;
+            failure.launch = stage.launch;
+            failure.sentence = "alone on the same inputs it gives other outputs";
+            if (stage.first) failure.sentence += ": " + stage.first->sentence;
+            out.failures.push_back(std::move(failure));
+            ++out.counts.failures;
+        }
     }
 
     /// A filter runs where it is asked for and there are few samples; the image that is handed out
