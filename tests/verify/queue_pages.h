@@ -48,7 +48,8 @@ inline Capture make_faulty_capture(const std::filesystem::path& directory,
     return Capture::open(directory);
 }
 
-/// Where a ray was lost: the neighbour in the longest child queue is written over it.
+/// Where a ray was lost: the first of the longest child queue, which goes elsewhere from there, is
+/// written over it.
 struct LostRay {
     std::uint32_t child = 0;  ///< position in the level below
     std::uint32_t ray = 0, twice = 0;
@@ -61,7 +62,7 @@ inline void lose_a_ray(const reference::StageView& stage, LostRay& lost) {
     lost.child = static_cast<std::uint32_t>(longest - counts.begin());
     const std::size_t at = offsets[lost.child] + *longest / 2;
     lost.ray = queue[at];
-    lost.twice = queue[at + 1];
+    lost.twice = queue[offsets[lost.child]];
     queue[at] = lost.twice;
 }
 

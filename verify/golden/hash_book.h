@@ -78,6 +78,8 @@ class HashBook {
     std::vector<Failure> look_up(const Hashes& found);
 
     std::uint64_t compared() const { return compared_; }
+    /// How many hashes there are to be compared with.
+    std::uint64_t size() const { return golden_ ? golden_->size() : 0; }
     const Hashes& recorded() const { return recorded_; }
 
  private:

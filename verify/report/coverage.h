@@ -20,7 +20,7 @@ struct Coverage {
     std::uint64_t all_pairs = 0;  ///< that there are
     std::uint64_t triples = 0;
     std::uint64_t all_triples = 0;
-    std::uint64_t hashes = 0;  ///< of scenes, trees and pictures that were held against golden ones
+    std::uint64_t hashes = 0;  ///< golden ones that the runs were held against
     std::vector<CoverageFactor> factors;
 };
 

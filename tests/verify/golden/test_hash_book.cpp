@@ -121,7 +121,7 @@ TEST_CASE("hash book: what a check has called wrong is not called another beside
     }
 }
 
-TEST_CASE("hash book: text and back; a line that is no hash is named", "[verify][golden]") {
+TEST_CASE("hash book: text and back, and a line that is no hash is named", "[verify][golden]") {
     const TemporaryFolder folder;
     const std::string file = (folder / "hashes.txt").string();
     reference::write_file(file, to_text(recorded_hashes()));

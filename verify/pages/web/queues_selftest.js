@@ -52,9 +52,16 @@ function testFirst(test, { page, selection }) {
   test.equal('its launch is named', shownText('where').includes(page.launches[page.first.launch].name), true);
 }
 
-// Launches that can be looked into, not too many.
+const hasDifferences = (page, k) => (page.pool.get(page.launches[k].differences) ?? []).some((n) => n > 0);
+// The place in its level of the first node whose queue has another length; -1: none.
+const otherLength = (page, k) => {
+  const [a, b] = ['counts', 'counts_b'].map((name) => page.pool.get(page.launches[k][name]) ?? []);
+  return b.length === 0 ? -1 : a.findIndex((n, i) => n !== b[i]);
+};
+
+// Launches that can be looked into, not too many, and the first whose queues differ in entries and in length.
 const looked = (page) => page.launches.flatMap((l, k) => (isLevelKernel(l) && page.embedded(k) && l.verdict !== 'missing' ? [k] : []))
-  .filter((k, i, all) => k === page.first.launch || i % Math.ceil(all.length / 2) === 0);
+  .filter((k, i, all) => k === page.first.launch || i % Math.ceil(all.length / 2) === 0 || k === all.find((other) => hasDifferences(page, other)) || k === all.find((other) => otherLength(page, other) >= 0));
 
 function testTime(test, { page, selection, panes }) {
   const timeline = panes.find((pane) => pane instanceof Timeline);
@@ -96,6 +103,8 @@ function testTree(test, { page, selection }) {
   for (const k of looked(page)) {
     selection.select({ launch: k });
     const { level } = page.launches[k];
+    const other = otherLength(page, k);
+    if (other >= 0) selection.select({ node: page.tree.levelBegins[level] + other });
     for (const row of document.querySelectorAll('#tree .node')) {
       const node = Number(row.dataset.node);
       const of = page.launches.findIndex((l) => isLevelKernel(l) && l.level === page.tree.level(node) && ['batch', 'bounce', 'light'].every((m) => l[m] === page.launches[k][m]));
