@@ -103,24 +103,24 @@ const std::vector<BuiltIn>& built_in_scenes() {
     return list;
 }
 
-Scene load_scene(const std::string& given) {
-    std::string specification = given;
-    const std::optional<std::string> camera = take_camera_file(specification);
-    const std::size_t colon = std::min(specification.find(':'), specification.size());
-    const std::string name = specification.substr(0, colon);
+Scene load_scene(const std::string& specification) {
+    std::string rest = specification;
+    const std::optional<std::string> camera = take_camera_file(rest);
+    const std::size_t colon = std::min(rest.find(':'), rest.size());
+    const std::string name = rest.substr(0, colon);
     Scene scene;
     if (const Generator* generator = find_generator(name)) {
-        const bool has_text = colon + 1 < specification.size();
-        const Parameters parameters(name, has_text ? specification.substr(colon + 1) : "",
+        const bool has_text = colon + 1 < rest.size();
+        const Parameters parameters(name, has_text ? rest.substr(colon + 1) : "",
                                     generator->parameters);
         scene = generator->generate(parameters);
         scene.name = name;
     } else {
-        scene = load_file(specification);
+        scene = load_file(rest);
     }
     if (camera) scene.camera = read_camera_file(*camera);
     finish_normals(scene);
-    scene.source = given;
+    scene.source = specification;
     reference::validate_and_repair(scene);
     return scene;
 }
