@@ -26,7 +26,6 @@ constexpr std::size_t kMostResident = 16384;
 constexpr std::uint64_t kMostIdleTurns = 50000;
 constexpr std::uint32_t kMostThreads = 1024;
 constexpr std::size_t kMostShared = std::size_t{227} << 10;
-constexpr std::size_t kGapInShared = 64;
 
 std::string text_of(const char* name) {
     const char* const value = std::getenv(name);

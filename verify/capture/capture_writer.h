@@ -66,7 +66,7 @@ class CaptureWriter : public reference::StageObserver {
  private:
     BufferRecord store(const reference::StageView& stage, const reference::BufferView& buffer,
                        bool output);
-    void write(const std::string& file, const reference::BufferView& buffer, const void* data);
+    void write(const std::string& name, const reference::BufferView& buffer, const void* data);
     void remove_unreferenced() const;
 
     std::filesystem::path target_;
