@@ -199,16 +199,7 @@ def this_view_is_verified_and_compared(browser):
         page.choose("compare-backend", "simt")
         page.ask("byId('compare-start').click()")
         page.wait("byId('compare-said').textContent.startsWith('the same bits in all 6912 pixels')", 200)
-        if os.path.exists(os.path.join(os.path.dirname(program), "scotty-mutants")):
-            page.choose("compare-backend", "emulator")
-            page.choose("compare-plant", "one_ulp_in_light")
-            page.ask("byId('compare-start').click()")
-            page.wait("/^\\d+ of 6912 pixels differ/.test(byId('compare-said').textContent) || byId('compare-said').textContent.includes('could not')", 200)
-            check("pixels differ" in page.ask("byId('compare-said').textContent"), page.ask("byId('compare-said').textContent"))
-            picture(page, "compared")
-        page.choose("compare-plant", "no such fault")
-        page.ask("byId('compare-start').click()")
-        page.wait("byId('compare-said').textContent.includes('could not be carried out')", 200)
+        picture(page, "compared")
         check(not page.faults, page.faults)
 
 
