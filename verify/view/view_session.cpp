@@ -429,10 +429,11 @@ void ViewSession::State::start_job(const StartJob& wanted) {
             }
             commands.push_back(render);
         }
+        message["size"] = compared;
         message["a"] = state.backend;
         message["b"] = wanted.backend + (wanted.plant.empty() ? "" : " with " + wanted.plant);
     }
-    message["size"] = size;
+    message.emplace("size", size);  // unless it is another
     const auto done = [this, kind, message, path, state](const JobResult& result) {
         json finished = message;
         if (kind == "compare" && result.exit_code == 0 && !result.stopped && result.signal == 0) {

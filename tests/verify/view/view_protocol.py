@@ -229,3 +229,23 @@ class Program:
         """Resident bytes."""
         with open(f"/proc/{self.process.pid}/statm") as file:
             return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+def run_checks(checks, words, *arguments):
+    """Runs the functions that `words` name, or all; prints a line each. The exit code: 1 where one fails, 2 where there is no such."""
+    unknown = [word for word in words if word not in checks]
+    if unknown:
+        print(f"no such check: {', '.join(unknown)}; --list has their names")
+        return 2
+    failed = 0
+    for name, run in checks.items():
+        if words and name not in words:
+            continue
+        begin = time.perf_counter()
+        try:
+            run(*arguments)
+            print(f"passed  {name} ({time.perf_counter() - begin:.1f} s)", flush=True)
+        except (AssertionError, Closed, OSError) as error:
+            failed += 1
+            print(f"FAILED  {name}: {error!r}", flush=True)
+    return 1 if failed else 0

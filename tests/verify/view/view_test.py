@@ -13,7 +13,7 @@ import time
 import urllib.parse
 import zlib
 
-from view_protocol import Closed, Frame, Program, Viewer, WebSocket, camera_of, get, turned
+from view_protocol import Closed, Frame, Program, Viewer, WebSocket, camera_of, get, run_checks, turned
 
 program = None
 SMALL = ["--size", "64x48", "--spp", "8"]
@@ -289,18 +289,7 @@ def main():
         print("\n".join(checks))
         return 0
     program = os.path.abspath(sys.argv[1])
-    failed = 0
-    for name, run in checks.items():
-        if sys.argv[2:] and name not in sys.argv[2:]:
-            continue
-        begin = time.perf_counter()
-        try:
-            run()
-            print(f"passed  {name} ({time.perf_counter() - begin:.1f} s)", flush=True)
-        except (AssertionError, Closed, OSError) as error:
-            failed += 1
-            print(f"FAILED  {name}: {error!r}", flush=True)
-    return 1 if failed else 0
+    return run_checks(checks, sys.argv[2:])
 
 
 if __name__ == "__main__":

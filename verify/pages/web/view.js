@@ -331,11 +331,18 @@ byId('help-button').addEventListener('click', () => byId('help').showModal());
 
 // ---- Beside the picture ----
 
-byId('verify-start').addEventListener('click', () => send({ type: 'start', job: 'verify' }));
+// What was said of the job before is not said of this one.
+function startJob(job, members = {}) {
+  byId(`${job}-said`).textContent = '';
+  byId(`${job}-said`).className = '';
+  send({ type: 'start', job, ...members });
+}
+
+byId('verify-start').addEventListener('click', () => startJob('verify'));
 byId('verify-stop').addEventListener('click', () => send({ type: 'stop', job: 'verify' }));
-byId('queues-start').addEventListener('click', () => { if (view.path) send({ type: 'start', job: 'queues', x: view.path.x, y: view.path.y }); });
+byId('queues-start').addEventListener('click', () => { if (view.path) startJob('queues', { x: view.path.x, y: view.path.y }); });
 function startCompare() {
   view.comparedAt = view.header?.state;
-  send({ type: 'start', job: 'compare', backend: byId('compare-backend').value, plant: byId('compare-plant').value.trim() });
+  startJob('compare', { backend: byId('compare-backend').value, plant: byId('compare-plant').value.trim() });
 }
 byId('compare-start').addEventListener('click', startCompare);
