@@ -60,83 +60,35 @@ bool free_in_kernel(void* memory, const void* place) {
     return true;
 }
 
+struct Hooks {
+    static void read(const void* a, std::size_t bytes, const void* place, bool aligned) {
+        note(Access::read, a, bytes, place, aligned);
+    }
+    static void write(const void* a, std::size_t bytes, const void* place, bool aligned) {
+        note(Access::write, a, bytes, place, aligned);
+    }
+    static void volatile_read(const void* a, std::size_t bytes, const void* place, bool aligned) {
+        note(Access::volatile_read, a, bytes, place, aligned);
+    }
+    static void volatile_write(const void* a, std::size_t bytes, const void* place, bool aligned) {
+        note(Access::volatile_write, a, bytes, place, aligned);
+    }
+    static void atomic(const void* a, std::size_t bytes, const void* place) {
+        note(Access::atomic, a, bytes, place);
+    }
+    static void atomic_load(const void* a, std::size_t bytes, const void* place) {
+        note(Access::atomic_load, a, bytes, place);
+    }
+};
+
 }  // namespace
+
+#include "emulation/check/compiler_hooks.h"
 
 // The names and the types are the compiler's and the C library's.
 // NOLINTBEGIN
-#define SCOTTY_PLACE __builtin_return_address(0)
-#define SCOTTY_PLAIN(bytes)                                                            \
-    void __tsan_read##bytes(void* a) { note(Access::read, a, bytes, SCOTTY_PLACE); }   \
-    void __tsan_write##bytes(void* a) { note(Access::write, a, bytes, SCOTTY_PLACE); } \
-    void __tsan_unaligned_read##bytes(void* a) {                                       \
-        note(Access::read, a, bytes, SCOTTY_PLACE, false);                             \
-    }                                                                                  \
-    void __tsan_unaligned_write##bytes(void* a) {                                      \
-        note(Access::write, a, bytes, SCOTTY_PLACE, false);                            \
-    }                                                                                  \
-    void __tsan_volatile_read##bytes(void* a) {                                        \
-        note(Access::volatile_read, a, bytes, SCOTTY_PLACE);                           \
-    }                                                                                  \
-    void __tsan_volatile_write##bytes(void* a) {                                       \
-        note(Access::volatile_write, a, bytes, SCOTTY_PLACE);                          \
-    }                                                                                  \
-    void __tsan_unaligned_volatile_read##bytes(void* a) {                              \
-        note(Access::volatile_read, a, bytes, SCOTTY_PLACE, false);                    \
-    }                                                                                  \
-    void __tsan_unaligned_volatile_write##bytes(void* a) {                             \
-        note(Access::volatile_write, a, bytes, SCOTTY_PLACE, false);                   \
-    }
-#define SCOTTY_FETCH(bits, name)                                                            \
-    std::uint##bits##_t __tsan_atomic##bits##_fetch_##name(volatile std::uint##bits##_t* a, \
-                                                           std::uint##bits##_t v, int) {    \
-        note(Access::atomic, const_cast<std::uint##bits##_t*>(a), bits / 8, SCOTTY_PLACE);  \
-        return __atomic_fetch_##name(a, v, __ATOMIC_SEQ_CST);                               \
-    }
-#define SCOTTY_COMPARE(bits, strength, weak)                                                      \
-    int __tsan_atomic##bits##_compare_exchange_##strength(volatile std::uint##bits##_t* a,        \
-                                                          std::uint##bits##_t* expected,          \
-                                                          std::uint##bits##_t v, int, int) {      \
-        note(Access::atomic, const_cast<std::uint##bits##_t*>(a), bits / 8, SCOTTY_PLACE);        \
-        return static_cast<int>(__atomic_compare_exchange_n(a, expected, v, weak,                 \
-                                                            __ATOMIC_SEQ_CST, __ATOMIC_SEQ_CST)); \
-    }
-#define SCOTTY_ATOMIC(bits)                                                                      \
-    std::uint##bits##_t __tsan_atomic##bits##_load(const volatile std::uint##bits##_t* a, int) { \
-        note(Access::atomic_load, const_cast<std::uint##bits##_t*>(a), bits / 8, SCOTTY_PLACE);  \
-        return __atomic_load_n(a, __ATOMIC_SEQ_CST);                                             \
-    }                                                                                            \
-    void __tsan_atomic##bits##_store(volatile std::uint##bits##_t* a, std::uint##bits##_t v,     \
-                                     int) {                                                      \
-        note(Access::atomic, const_cast<std::uint##bits##_t*>(a), bits / 8, SCOTTY_PLACE);       \
-        __atomic_store_n(a, v, __ATOMIC_SEQ_CST);                                                \
-    }                                                                                            \
-    std::uint##bits##_t __tsan_atomic##bits##_exchange(volatile std::uint##bits##_t* a,          \
-                                                       std::uint##bits##_t v, int) {             \
-        note(Access::atomic, const_cast<std::uint##bits##_t*>(a), bits / 8, SCOTTY_PLACE);       \
-        return __atomic_exchange_n(a, v, __ATOMIC_SEQ_CST);                                      \
-    }                                                                                            \
-    SCOTTY_FETCH(bits, add)                                                                      \
-    SCOTTY_FETCH(bits, sub)                                                                      \
-    SCOTTY_FETCH(bits, and)                                                                      \
-    SCOTTY_FETCH(bits, or)                                                                       \
-    SCOTTY_FETCH(bits, xor)                                                                      \
-    SCOTTY_COMPARE(bits, strong, false)                                                          \
-    SCOTTY_COMPARE(bits, weak, true)
-
 extern "C" {
-SCOTTY_PLAIN(1)
-SCOTTY_PLAIN(2)
-SCOTTY_PLAIN(4)
-SCOTTY_PLAIN(8)
-SCOTTY_PLAIN(16)
-void __tsan_read_range(void* a, std::size_t n) { note(Access::read, a, n, SCOTTY_PLACE, false); }
-void __tsan_write_range(void* a, std::size_t n) { note(Access::write, a, n, SCOTTY_PLACE, false); }
-SCOTTY_ATOMIC(8)
-SCOTTY_ATOMIC(16)
-SCOTTY_ATOMIC(32)
-SCOTTY_ATOMIC(64)
 void __tsan_atomic_thread_fence(int) {}
-void __tsan_atomic_signal_fence(int) {}
 void __tsan_func_entry(void* caller) {
     if (current_thread != nullptr) Machine::enter_function(caller);
 }
@@ -145,7 +97,6 @@ void __tsan_func_exit() {
 }
 void __tsan_vptr_update(void** a, void*) { note(Access::write, a, sizeof *a, SCOTTY_PLACE); }
 void __tsan_vptr_read(void** a) { note(Access::read, a, sizeof *a, SCOTTY_PLACE); }
-void __tsan_init() {}
 
 // The linker sends the program's calls of memcpy and others here (--wrap), and not the library's
 // own.

@@ -185,6 +185,7 @@ void add_bench_command(CLI::App& app, Action& action) {
     add_thread_option(*command, options->settings.threads);
     add_picture_options(*command, options->settings.parameters);
     add_pipeline_options(*command, options->settings.parameters);
+    add_pass_option(*command, options->settings.parameters);
     command->callback([&action, options, command] {
         action = [options, command] { return run_bench(*options, *command); };
     });

@@ -137,6 +137,7 @@ void add_capture_command(CLI::App& app, Action& action) {
     add_thread_option(*command, options->threads);
     add_picture_options(*command, options->parameters);
     add_pipeline_options(*command, options->parameters);
+    add_pass_option(*command, options->parameters);
     add_arithmetic_option(*command, options->parameters);
     command->callback([&action, options] { action = [options] { return run_capture(*options); }; });
 }

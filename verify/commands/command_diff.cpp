@@ -312,6 +312,7 @@ void add_diff_command(CLI::App& app, Action& action, const std::string& command_
     add_thread_option(*command, options->threads);
     add_picture_options(*command, options->parameters);
     add_pipeline_options(*command, options->parameters);
+    add_pass_option(*command, options->parameters);
     command->callback([&action, options] { action = [options] { return run_diff(*options); }; });
 }
 

@@ -130,6 +130,10 @@ void add_pipeline_options(CLI::App& command, PipelineParameters& p,
     }
 }
 
+void add_pass_option(CLI::App& command, PipelineParameters& p) {
+    add_parameter(command, p, reference::parameter("samples_per_pass"), kPipeline);
+}
+
 void add_arithmetic_option(CLI::App& command, PipelineParameters& p) {
     add_parameter(command, p, reference::parameter("arithmetic"), kPipeline);
 }

@@ -23,6 +23,10 @@ void add_picture_options(CLI::App& command, reference::PipelineParameters& param
 void add_pipeline_options(CLI::App& command, reference::PipelineParameters& parameters,
                           std::span<const std::string_view> of_backend = {});
 
+/// --samples-per-pass. With it and the two above a command takes all that picture_options() and
+/// pipeline_options() print.
+void add_pass_option(CLI::App& command, reference::PipelineParameters& parameters);
+
 /// --arithmetic, where the back end can be chosen.
 void add_arithmetic_option(CLI::App& command, reference::PipelineParameters& parameters);
 

@@ -19,6 +19,7 @@ class EmulatorDiff {
     EmulatorDiff(const PipelineInput& input, std::size_t threads, const Backend& backend);
 
     reference::StageObserver& observer() { return differ_; }
+    const Capture& expected() const { return expected_.get(); }  ///< the emulator's run
     /// Closes the books: counts, and one failure for every stage that differs or, where the run
     /// was not cut short, is missing.
     std::vector<Failure> finish(StageCounts& counts, bool whole_run);

@@ -373,7 +373,9 @@ class SceneVerification {
         if (out.counts.failures == 0 && settings_.stage_pattern.empty()) {
             check_unwatched(bvh, p, backend, recording.image, out);
             if (recording.radiance.size() <= kMostPathsAlone) {
-                check_stages_alone(bvh, p, backend, out);
+                std::optional<TemporaryCapture> own;
+                if (!emulator) own.emplace(backend, input_of(bvh, p));
+                check_stages_alone(emulator ? emulator->expected() : own->get(), backend, out);
             }
             if (settings_.oracles) trace_rays(bvh, p, backend, recording, out);
         }
@@ -406,11 +408,9 @@ class SceneVerification {
 
     /// A stage is a function of its inputs: run alone on those of the emulator's run, each gives
     /// that run's outputs. Replay and isolated diffs are of no worth where it does not.
-    void check_stages_alone(const reference::WideBvh& bvh, const PipelineParameters& p,
-                            const Backend& backend, ConfigurationReport& out) {
-        const TemporaryCapture capture(backend_named("emulator", settings_.threads),
-                                       input_of(bvh, p));
-        const DiffReport report = diff_isolated(capture.get(), backend, {});
+    static void check_stages_alone(const Capture& emulator, const Backend& backend,
+                                   ConfigurationReport& out) {
+        const DiffReport report = diff_isolated(emulator, backend, {});
         for (const StageResult& stage : report.stages) {
             if (!stage.failed()) continue;
             Failure failure;

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "reference/base/error.h"
+#include "reference/contract/parameter_table.h"
 #include "scenes/scenes.h"
 #include "tests/small_parameters.h"
 #include "tests/verify/command_tools.h"
@@ -207,6 +208,35 @@ TEST_CASE("bench: the command fails with the limit, exit code 1", "[verify][benc
     INFO(result.err);
     CHECK(result.exit_code == 1);
     CHECK(nlohmann::json::parse(result.out)["passed"] == false);
+}
+
+TEST_CASE("bench: check has figures from the program that checks", "[verify][bench][cli]") {
+    const fs::path here = fs::read_symlink("/proc/self/exe").parent_path();
+    if (!fs::exists(here / "scotty-checked")) {
+        WARN("not run: scotty-checked is not built");
+        return;
+    }
+    const verify::test::Result result = verify::test::run(
+        here / "scotty",
+        "bench check cornell --size 8x6 --repeats 1 --samples-per-pass 1 --json -");
+    INFO(result.err);
+    CHECK(result.exit_code <= 1);  // so small a picture may be over the limit
+    CHECK(nlohmann::json::parse(result.out).contains("passed"));
+}
+
+TEST_CASE("options: what is printed to be run again is taken by the command that it names",
+          "[verify][options][cli]") {
+    const fs::path here = fs::read_symlink("/proc/self/exe").parent_path();
+    for (const char* command : {"bench", "capture", "diff", "verify"}) {
+        const std::string help =
+            verify::test::run(here / "scotty", std::string(command) + " --help").out;
+        for (const reference::ParameterInfo& info : reference::kParameters) {
+            using Group = reference::ParameterGroup;
+            if (info.group == Group::filter || info.group == Group::arithmetic) continue;
+            CAPTURE(command, info.name);
+            CHECK_THAT(help, Contains(std::string(info.option) + " "));
+        }
+    }
 }
 
 TEST_CASE("options: a size is two numbers around an x", "[verify][options]") {
