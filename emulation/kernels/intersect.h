@@ -233,6 +233,34 @@ inline bool both(bool a, bool b) {
     return static_cast<bool>(static_cast<int>(a) & static_cast<int>(b));
 }
 
+/// Each thread's closest hit in a leaf. The functions below are no lambdas in intersect_leaf(): a
+/// closure keeps the registers' addresses, and the checked build then watches every access to them.
+struct BlockHits {
+    PerThread<float> t;
+    PerThread<std::uint32_t> primitive;
+};
+
+inline void keep_nearer(OwnThread thread, std::uint32_t primitive, float t, bool hit,
+                        const BlockRays& rays, BlockHits& best) {
+    const bool in_range = both(rays.t_min[thread] <= t, t < rays.t_max[thread]);
+    const bool closer = reference::closer(t, primitive, best.t[thread], best.primitive[thread]);
+    const bool nearer = both(both(hit, in_range), closer);
+    best.t[thread] = nearer ? t : best.t[thread];
+    best.primitive[thread] = nearer ? primitive : best.primitive[thread];
+}
+
+inline reference::Vec3 origin_of(const BlockRays& rays, OwnThread thread) {
+    return {rays.origin_x[thread], rays.origin_y[thread], rays.origin_z[thread]};
+}
+
+inline reference::Vec3 inverse_of(const BlockRays& rays, OwnThread thread) {
+    return {rays.inverse_x[thread], rays.inverse_y[thread], rays.inverse_z[thread]};
+}
+
+inline bool is_nearest(const BlockHits& best, const BlockRays& rays, std::uint32_t thread) {
+    return best.primitive[thread] != reference::kNone && best.t[thread] <= rays.limit[thread];
+}
+
 /// Finds the closest hit of each ray of the block in one leaf.
 inline void intersect_leaf(const Block& block, std::uint32_t count, const reference::Leaf& leaf,
                            const reference::LeafTriangle* triangles, const reference::Ray* rays,
@@ -240,29 +268,13 @@ inline void intersect_leaf(const Block& block, std::uint32_t count, const refere
                            const MinimumView& minimum) {
     using reference::Vec3;
     BlockShear shear;
-    PerThread<float> best_t;
-    PerThread<std::uint32_t> best_primitive;
+    BlockHits best;
     PerThread<std::uint32_t> on_edge;
     shear_rays(block, count, rays, loaded, shear);
     block.phase_on_registers(count, [&](OwnThread thread) {
-        best_t[thread] = reference::kInfinity;
-        best_primitive[thread] = reference::kNone;
+        best.t[thread] = reference::kInfinity;
+        best.primitive[thread] = reference::kNone;
     });
-    const auto keep_nearer = [&](OwnThread thread, std::uint32_t primitive, float t, bool hit) {
-        const bool in_range = both(loaded.t_min[thread] <= t, t < loaded.t_max[thread]);
-        const bool nearer =
-            both(both(hit, in_range),
-                 reference::closer(t, primitive, best_t[thread], best_primitive[thread]));
-        best_t[thread] = nearer ? t : best_t[thread];
-        best_primitive[thread] = nearer ? primitive : best_primitive[thread];
-    };
-    const auto origin_of = [&](OwnThread thread) {
-        return Vec3(loaded.origin_x[thread], loaded.origin_y[thread], loaded.origin_z[thread]);
-    };
-    const auto inverse_of = [&](OwnThread thread) {
-        return Vec3(loaded.inverse_x[thread], loaded.inverse_y[thread], loaded.inverse_z[thread]);
-    };
-
     reference::LeafTriangle shared[kLeafChunk];
     for (std::uint32_t done = 0; done < leaf.count; done += kLeafChunk) {
         const std::uint32_t chunk = std::min(kLeafChunk, leaf.count - done);
@@ -275,7 +287,7 @@ inline void intersect_leaf(const Block& block, std::uint32_t count, const refere
                 reference::max_number(reference::max_number(triangle.v0, triangle.v1), triangle.v2);
             // The steps of intersect_triangle_line(), for all threads at once and without a branch.
             block.phase_on_registers(count, [&](OwnThread thread) {
-                const Vec3 origin = origin_of(thread);
+                const Vec3 origin = origin_of(loaded, thread);
                 const reference::RayShear ray = shear_of(shear, thread);
                 const Vec3 a = reference::swap_axes(triangle.v0 - origin, ray.kz);
                 const Vec3 b = reference::swap_axes(triangle.v1 - origin, ray.kz);
@@ -284,11 +296,12 @@ inline void intersect_leaf(const Block& block, std::uint32_t count, const refere
                     reference::edge_functions(reference::shear(ray, a, b, c));
                 on_edge[thread] = static_cast<std::uint32_t>(reference::may_be_zero(e));
                 const reference::Crossing crossing = reference::crossing_of(ray, e, a, b, c);
-                const reference::CutDistance cut =
-                    reference::cut_distance(crossing.t, origin, inverse_of(thread), low, high);
+                const reference::CutDistance cut = reference::cut_distance(
+                    crossing.t, origin, inverse_of(loaded, thread), low, high);
                 const bool inside = both(on_edge[thread] == 0, !reference::signs_differ(e));
                 const bool crosses = both(inside, reference::abs_of(crossing.determinant) > 0.0f);
-                keep_nearer(thread, triangle.primitive, cut.t, both(crosses, cut.inside));
+                keep_nearer(thread, triangle.primitive, cut.t, both(crosses, cut.inside), loaded,
+                            best);
             });
             // Few lines meet an edge: the signs are those of exact arithmetic there.
             if (block.count(count, [&](std::uint32_t thread) { return on_edge[thread] != 0; }) ==
@@ -299,21 +312,18 @@ inline void intersect_leaf(const Block& block, std::uint32_t count, const refere
                 if (on_edge[thread] == 0) return;
                 reference::Hit hit = reference::no_hit();
                 const bool crosses = reference::intersect_triangle_line(
-                    origin_of(thread), inverse_of(thread), shear_of(shear, thread), triangle.v0,
-                    triangle.v1, triangle.v2, hit);
-                keep_nearer(thread, triangle.primitive, hit.t, crosses);
+                    origin_of(loaded, thread), inverse_of(loaded, thread), shear_of(shear, thread),
+                    triangle.v0, triangle.v1, triangle.v2, hit);
+                keep_nearer(thread, triangle.primitive, hit.t, crosses, loaded, best);
             });
         }
     }
-    const auto is_nearest = [&](std::uint32_t thread) {
-        return best_primitive[thread] != reference::kNone && best_t[thread] <= loaded.limit[thread];
-    };
     block.phase(count, [&](std::uint32_t thread) {
-        if (is_nearest(thread)) prefetch_record(loaded.id[thread], hits, minimum);
+        if (is_nearest(best, loaded, thread)) prefetch_record(loaded.id[thread], hits, minimum);
     });
     block.phase(count, [&](std::uint32_t thread) {
-        if (is_nearest(thread)) {
-            record_hit(loaded.id[thread], {best_t[thread], best_primitive[thread]}, hits, minimum);
+        if (is_nearest(best, loaded, thread)) {
+            record_hit(loaded.id[thread], {best.t[thread], best.primitive[thread]}, hits, minimum);
         }
     });
 }
