@@ -1,12 +1,13 @@
 /// Files for the length of a test.
 #pragma once
 
-#include <catch2/catch.hpp>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
+
+#include "tests/catch.h"
 
 namespace scotty::tests {
 

@@ -1,7 +1,6 @@
 /// Small renders and comparisons for the tests of emulation/.
 #pragma once
 
-#include <catch2/catch.hpp>
 #include <cstring>
 #include <map>
 #include <span>
@@ -13,6 +12,7 @@
 #include "reference/contract/pipeline_parameters.h"
 #include "reference/contract/wide_bvh.h"
 #include "scenes/scenes.h"
+#include "tests/catch.h"
 
 namespace scotty::emulation::test {
 

@@ -1,6 +1,5 @@
 /// The CUDA pipeline on a device. Without one every case says so and is skipped, or fails where
 /// SCOTTY_REQUIRE_GPU is set.
-#include <catch2/catch.hpp>
 #include <cstdlib>
 #include <cstring>
 #include <iostream>
@@ -9,6 +8,7 @@
 #include "gpu/parity/parity.h"
 #include "reference/base/error.h"
 #include "scenes/scenes.h"
+#include "tests/catch.h"
 #include "tests/small_parameters.h"
 #include "verify/backends/backend.h"
 #include "verify/backends/temporary_capture.h"

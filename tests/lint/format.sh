@@ -1,6 +1,7 @@
 # format.sh CLANG_FORMAT: every tracked C++ and CUDA file is as clang-format writes it.
 source "$(dirname "$0")/common.sh"
 need_checkout
+need_version_14 "$1"
 
 mapfile -t files < <(git ls-files -- '*.h' '*.hpp' '*.cpp' '*.cu' '*.cuh')
 ((${#files[@]})) || { echo "git lists no source file: this check would check nothing"; exit 1; }

@@ -1,6 +1,8 @@
 # planted.sh CLANG_FORMAT CLANG_TIDY: a check that was never seen to fail proves nothing. In a checkout of its own,
 # every check passes on a clean file, then fails on one planted violation and names the file.
 source "$(dirname "$0")/common.sh"
+need_version_14 "$1"
+need_version_14 "$2"
 clang_format=$1 clang_tidy=$2
 lint=$PWD/tests/lint
 

@@ -2,6 +2,7 @@
 # includes. That takes seconds, so what has passed is remembered: an empty file in the user's cache folder, named by
 # a hash of everything that the verdict depends on. It holds in any checkout and needs no clearing.
 source "$(dirname "$0")/common.sh"
+need_version_14 "$1"
 clang_tidy=$1 build=$2 source=$3 # relative to the top, or a piece of a unity build
 
 [[ $source == /* ]] || source=$PWD/$source

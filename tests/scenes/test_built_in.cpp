@@ -1,7 +1,7 @@
-#include <catch2/catch.hpp>
 
 #include "reference/base/error.h"
 #include "scenes/scenes.h"
+#include "tests/catch.h"
 #include "tests/scenes/mesh_checks.h"
 
 using namespace scotty;

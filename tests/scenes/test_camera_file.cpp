@@ -1,15 +1,15 @@
 /// Cameras in files of their own, behind any scene.
-#include <catch2/catch.hpp>
 #include <cstring>
 
 #include "reference/base/error.h"
 #include "scenes/camera_file.h"
 #include "scenes/scenes.h"
+#include "tests/catch.h"
 #include "tests/temporary_folder.h"
 
 namespace scotty::scenes {
 
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 using reference::Camera;
 using tests::spill;
 using tests::TemporaryFolder;
@@ -44,19 +44,19 @@ TEST_CASE("camera files: a camera comes back in the same bits, behind any scene"
 TEST_CASE("camera files: what is wrong is named", "[scenes]") {
     const TemporaryFolder folder;
     CHECK_THROWS_WITH(load_scene("coil#camera=" + folder.file("none.camera")),
-                      Contains("no such camera file"));
+                      ContainsSubstring("no such camera file"));
     const auto load = [&](const std::string& text) {
         spill(folder.file("a.camera"), text);
         return load_scene("coil#camera=" + folder.file("a.camera"));
     };
-    CHECK_THROWS_WITH(load("[1]"), Contains("JSON object"));
-    CHECK_THROWS_WITH(load("{}"), Contains("position"));
-    CHECK_THROWS_WITH(load(R"({"position":[1,2]})"), Contains("three numbers"));
-    CHECK_THROWS_WITH(load(R"({"position":[1,2,"x"]})"), Contains("not made of numbers"));
-    CHECK_THROWS_WITH(load(std::string(5000, ' ')), Contains("too long"));
+    CHECK_THROWS_WITH(load("[1]"), ContainsSubstring("JSON object"));
+    CHECK_THROWS_WITH(load("{}"), ContainsSubstring("position"));
+    CHECK_THROWS_WITH(load(R"({"position":[1,2]})"), ContainsSubstring("three numbers"));
+    CHECK_THROWS_WITH(load(R"({"position":[1,2,"x"]})"), ContainsSubstring("not made of numbers"));
+    CHECK_THROWS_WITH(load(std::string(5000, ' ')), ContainsSubstring("too long"));
     Camera squashed = load_scene("coil").camera;
     squashed.up = squashed.up * 0.5f;
-    CHECK_THROWS_WITH(load(camera_text(squashed)), Contains("camera"));
+    CHECK_THROWS_WITH(load(camera_text(squashed)), ContainsSubstring("camera"));
 }
 
 }  // namespace scotty::scenes

@@ -1,12 +1,12 @@
-#include <catch2/catch.hpp>
 
 #include "reference/base/error.h"
+#include "tests/catch.h"
 #include "tests/scenes/collada_text.h"
 #include "tests/scenes/mesh_checks.h"
 #include "tests/scenes/temporary_files.h"
 
 using namespace scotty;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 using reference::Scene;
 using reference::Vec3;
 using tests::ColladaText;
@@ -117,9 +117,9 @@ TEST_CASE("collada: strips and fans are read as the triangles that they stand fo
     CHECK(area_of(fan) == Approx(2));
     CHECK(tests::front_of(fan, 1) == Vec3(0, 0, 1));
     CHECK_THROWS_WITH(of("<trifans count=\"2\">INPUT<p>0 4 5 1</p></trifans>"),
-                      Contains("expected 2 <p>") && Contains("found 1"));
+                      ContainsSubstring("expected 2 <p>") && ContainsSubstring("found 1"));
     CHECK_THROWS_WITH(of("<tristrips count=\"1\">INPUT<p>0 1 6</p></tristrips>"),
-                      Contains("index 6 out of range"));
+                      ContainsSubstring("index 6 out of range"));
     CHECK(warns(of("<triangles count=\"1\">INPUT<p>0 2 1</p></triangles>"
                    "<tristrips count=\"1\">INPUT<p>0 1</p></tristrips>"),
                 "fewer than 3 corners"));
@@ -140,7 +140,7 @@ TEST_CASE("collada: numbers in every spelling, with comments and blank lines bet
                  "\n\n 0 -0 .0\t+1 0. 0e0 <!-- here -->1E0 10.0e-1\r\n 0 0<![CDATA[ 1.000 ]]>0 \n");
     CHECK(reference::fingerprint(load(text)) == reference::fingerprint(plain));
     text.geometry = replaced(text.geometry, "1E0", "1,0");
-    CHECK_THROWS_WITH(load(text), Contains("spa") && Contains("'1,0'"));
+    CHECK_THROWS_WITH(load(text), ContainsSubstring("spa") && ContainsSubstring("'1,0'"));
 }
 
 TEST_CASE("collada: an accessor's parameters say where x, y and z are", "[scenes][collada]") {
@@ -185,7 +185,8 @@ TEST_CASE("collada: an id tells elements of different kinds apart, but not two o
     text.libraries = "<library_nodes><node id=\"square\"/></library_nodes>";
     CHECK(load(text).warnings.empty());
     text.geometry += text.geometry;
-    CHECK_THROWS_WITH(load(text), Contains("several <geometry>") && Contains("unique"));
+    CHECK_THROWS_WITH(load(text),
+                      ContainsSubstring("several <geometry>") && ContainsSubstring("unique"));
 }
 
 TEST_CASE("collada: references may be escaped", "[scenes][collada]") {
@@ -195,13 +196,13 @@ TEST_CASE("collada: references may be escaped", "[scenes][collada]") {
     file = replaced(file, "url=\"#square\"", "url=\"#a%20square\"");
     CHECK(TemporaryFiles().load("scene.dae", file).triangles.size() == 2);
     file = replaced(file, "#a%20square", "other.dae#square");
-    CHECK_THROWS_WITH(TemporaryFiles().load("scene.dae", file), Contains("in this file"));
+    CHECK_THROWS_WITH(TemporaryFiles().load("scene.dae", file), ContainsSubstring("in this file"));
 }
 
 TEST_CASE("collada: an older version is refused by name", "[scenes][collada]") {
     CHECK_THROWS_WITH(
         TemporaryFiles().load("a.dae", "<COLLADA version=\"1.3.1\"><library/></COLLADA>"),
-        Contains("COLLADA 1.3.1 is not supported") && Contains("1.4"));
+        ContainsSubstring("COLLADA 1.3.1 is not supported") && ContainsSubstring("1.4"));
 }
 
 TEST_CASE("collada: a skin is shown as it was bound, a morph in its basic form",
@@ -230,9 +231,9 @@ TEST_CASE("collada: a skin is shown as it was bound, a morph in its basic form",
     CHECK(warns(both, "a morph is not supported"));
     CHECK(both.vertices[4] == Vec3(0, 0, 1));
     text.libraries = replaced(text.libraries, "morph source=\"#square\"", "morph source=\"#both\"");
-    CHECK_THROWS_WITH(load(text), Contains("controllers in a circle"));
+    CHECK_THROWS_WITH(load(text), ContainsSubstring("controllers in a circle"));
     text.more_nodes = node("nothing");
-    CHECK_THROWS_WITH(load(text), Contains("no <controller id=\"nothing\">"));
+    CHECK_THROWS_WITH(load(text), ContainsSubstring("no <controller id=\"nothing\">"));
 }
 
 TEST_CASE("collada: instances of instances end in an error before memory or patience do",
@@ -245,21 +246,21 @@ TEST_CASE("collada: instances of instances end in an error before memory or pati
     }
     text.libraries += "</library_nodes>";
     text.more_nodes = "<node><instance_node url=\"#n59\"/></node>";
-    CHECK_THROWS_WITH(load(text), Contains("instances of instances"));
+    CHECK_THROWS_WITH(load(text), ContainsSubstring("instances of instances"));
 }
 
 TEST_CASE("collada: an empty scene says what was left out on the way", "[scenes][collada]") {
     ColladaText text;
     text.geometry = "<geometry id=\"square\"><mesh><lines count=\"1\"/></mesh></geometry>";
     text.libraries = "<library_animations><animation/></library_animations>";
-    CHECK_THROWS_WITH(load(text), Contains("no triangles") &&
-                                      Contains("<lines> is not supported") &&
-                                      Contains("an animation is not supported"));
+    CHECK_THROWS_WITH(load(text), ContainsSubstring("no triangles") &&
+                                      ContainsSubstring("<lines> is not supported") &&
+                                      ContainsSubstring("an animation is not supported"));
 }
 
 TEST_CASE("collada: a mesh of vertices alone is named", "[scenes][collada]") {
     CHECK_THROWS_WITH(load(mesh_of(kLetterC, "8", "")),
-                      Contains("no triangles") && Contains("vertices alone"));
+                      ContainsSubstring("no triangles") && ContainsSubstring("vertices alone"));
 }
 
 TEST_CASE("collada: of several scenes the one that is instanced is shown", "[scenes][collada]") {
@@ -269,7 +270,7 @@ TEST_CASE("collada: of several scenes the one that is instanced is shown", "[sce
                     "<library_visual_scenes><visual_scene id=\"other\"><node/></visual_scene>");
     CHECK(TemporaryFiles().load("scene.dae", file).warnings.empty());
     file = replaced(file, "<scene><instance_visual_scene url=\"#s\"/></scene>", "");
-    CHECK_THROWS_WITH(
-        TemporaryFiles().load("scene.dae", file),
-        Contains("<visual_scene id=\"other\">") && Contains("the first <visual_scene> is used"));
+    CHECK_THROWS_WITH(TemporaryFiles().load("scene.dae", file),
+                      ContainsSubstring("<visual_scene id=\"other\">") &&
+                          ContainsSubstring("the first <visual_scene> is used"));
 }

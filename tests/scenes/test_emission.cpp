@@ -1,8 +1,8 @@
-#include <catch2/catch.hpp>
 
 #include "scenes/file_scene.h"
 #include "scenes/geodesic.h"
 #include "scenes/mesh.h"
+#include "tests/catch.h"
 #include "tests/scenes/mesh_checks.h"
 
 using namespace scotty;

@@ -1,14 +1,14 @@
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <cstring>
 #include <limits>
 
 #include "reference/base/error.h"
+#include "tests/catch.h"
 #include "tests/scenes/mesh_checks.h"
 #include "tests/scenes/temporary_files.h"
 
 using namespace scotty;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 using reference::Scene;
 using reference::Vec3;
 using tests::TemporaryFiles;
@@ -92,15 +92,17 @@ TEST_CASE("ply: text and binary", "[scenes][ply]") {
     binary.append(reinterpret_cast<const char*>(face), sizeof face);
     CHECK(reference::fingerprint(files.load("b.ply", binary)) == reference::fingerprint(text));
     binary.pop_back();
-    CHECK_THROWS_WITH(files.load("b.ply", binary), Contains("face 0") && Contains("truncated?"));
+    CHECK_THROWS_WITH(files.load("b.ply", binary),
+                      ContainsSubstring("face 0") && ContainsSubstring("truncated?"));
 }
 
 TEST_CASE("ply: what is wrong is named with its element", "[scenes][ply]") {
     const TemporaryFiles files;
     const auto fails = [&](const std::string& text, const std::string& where,
                            const std::string& what) {
-        CHECK_THROWS_WITH(files.load("a.ply", text),
-                          Contains("a.ply") && Contains(where) && Contains(what));
+        CHECK_THROWS_WITH(files.load("a.ply", text), ContainsSubstring("a.ply") &&
+                                                         ContainsSubstring(where) &&
+                                                         ContainsSubstring(what));
     };
     fails(kPlyHeader + "0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", "face 0", "vertex index 7 out of range");
     fails(kPlyHeader + "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", "face 0", "out of range");
@@ -147,7 +149,7 @@ TEST_CASE("ply: both byte orders, all types, for coordinates and indices", "[sce
             CHECK(reference::fingerprint(scene) == right);
             CHECK_THROWS_WITH(
                 files.load("b.ply", header + bytes.text().substr(0, bytes.text().size() - 1)),
-                Contains("face 0") && Contains("truncated?"));
+                ContainsSubstring("face 0") && ContainsSubstring("truncated?"));
             CHECK(warns(files.load("c.ply", header + bytes.text() + "x"),
                         "data behind the last element"));
         }
@@ -236,10 +238,10 @@ TEST_CASE("ply: triangle strips", "[scenes][ply]") {
     check_ply_square(load("int", "7 0 1 2 2 2 1 3\n"));
     CHECK(load("int", "5 -1 -1 0 1 2\n").triangles.size() == 1);
     CHECK_THROWS_WITH(load("int", "4 0 1 2 9\n"),
-                      Contains("tristrips 0") && Contains("vertex index 9"));
-    CHECK_THROWS_WITH(load("int", "4 0 1 2 -2\n"), Contains("vertex index -2"));
-    CHECK_THROWS_WITH(load("int", "2 0 1\n"), Contains("no triangles"));
-    CHECK_THROWS_WITH(load("int", "8 0 1 2\n"), Contains("truncated?"));
+                      ContainsSubstring("tristrips 0") && ContainsSubstring("vertex index 9"));
+    CHECK_THROWS_WITH(load("int", "4 0 1 2 -2\n"), ContainsSubstring("vertex index -2"));
+    CHECK_THROWS_WITH(load("int", "2 0 1\n"), ContainsSubstring("no triangles"));
+    CHECK_THROWS_WITH(load("int", "8 0 1 2\n"), ContainsSubstring("truncated?"));
 }
 
 TEST_CASE("ply: faces that come before the vertices", "[scenes][ply]") {
@@ -315,7 +317,7 @@ TEST_CASE("ply: what is left out is said", "[scenes][ply]") {
          "fewer than 3 corners");
     said(kSquareHeader + kSquare + "4 0 1 2 3\n4 0 1 2 3\n", "data behind the last element");
     CHECK_THROWS_WITH(files.load("a.ply", ply_header("ascii", 1, "") + "0 0 0\n"),
-                      Contains("no triangles") && Contains("1 vertices"));
+                      ContainsSubstring("no triangles") && ContainsSubstring("1 vertices"));
 }
 
 TEST_CASE("ply: a count that is a lie costs neither memory nor time", "[scenes][ply]") {
@@ -324,21 +326,21 @@ TEST_CASE("ply: a count that is a lie costs neither memory nor time", "[scenes][
         const std::string header =
             tests::replaced(kPlyHeader, "vertex 3", std::string("vertex ") + count);
         CHECK_THROWS_WITH(files.load("a.ply", header + "0 0 0\n"),
-                          Contains("vertex 1") && Contains("truncated?"));
+                          ContainsSubstring("vertex 1") && ContainsSubstring("truncated?"));
         CHECK_THROWS_WITH(files.load("a.ply", tests::replaced(kPlyHeader, "face 1",
                                                               std::string("face ") + count) +
                                                   "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"),
-                          Contains("face 1") && Contains("truncated?"));
+                          ContainsSubstring("face 1") && ContainsSubstring("truncated?"));
     }
     CHECK_THROWS_WITH(
         files.load("a.ply", tests::replaced(kPlyHeader, "vertex 3", "vertex 18446744073709551615")),
-        Contains("at most"));
+        ContainsSubstring("at most"));
     CHECK_THROWS_WITH(files.load("a.ply", tests::replaced(kPlyHeader, "uchar int", "double int") +
                                               "0 0 0\n1 0 0\n0 1 0\n9e15 0 1 2\n"),
-                      Contains("face 0") && Contains("truncated?"));
+                      ContainsSubstring("face 0") && ContainsSubstring("truncated?"));
     CHECK_THROWS_WITH(files.load("a.ply", tests::replaced(kPlyHeader, "uchar int", "double int") +
                                               "0 0 0\n1 0 0\n0 1 0\n1e300 0 1 2\n"),
-                      Contains("face 0") && Contains("list length"));
+                      ContainsSubstring("face 0") && ContainsSubstring("list length"));
 }
 
 TEST_CASE("ply: headers and faces that cannot be are named", "[scenes][ply]") {
@@ -348,7 +350,7 @@ TEST_CASE("ply: headers and faces that cannot be are named", "[scenes][ply]") {
                            const std::string& what) {
         INFO(to);
         CHECK_THROWS_WITH(files.load("a.ply", tests::replaced(kPlyHeader + body, from, to)),
-                          Contains("a.ply") && Contains(what));
+                          ContainsSubstring("a.ply") && ContainsSubstring(what));
     };
     fails("1.0", "2.0", "version 1.0");
     fails("format ascii 1.0\n", "", "no format");

@@ -1,16 +1,16 @@
 /// What is added to a file that has no camera or no light.
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <set>
 
 #include "scenes/file_scene.h"
 #include "scenes/geodesic.h"
 #include "scenes/mesh.h"
+#include "tests/catch.h"
 #include "tests/scenes/mesh_checks.h"
 #include "tests/scenes/temporary_files.h"
 
 using namespace scotty;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 using reference::Camera;
 using reference::LightKind;
 using reference::Scene;
@@ -82,8 +82,9 @@ TEST_CASE("defaults: no camera is placed where the file's own was asked for",
           "[scenes][defaults]") {
     reference::Scene scene = scenes::load_scene("cornell");
     scenes::Notes notes;
-    CHECK_THROWS_WITH(scenes::settle_camera(scene, {}, scenes::CameraChoice::file, notes),
-                      Contains("cornell: has no camera") && Contains("#camera=file"));
+    CHECK_THROWS_WITH(
+        scenes::settle_camera(scene, {}, scenes::CameraChoice::file, notes),
+        ContainsSubstring("cornell: has no camera") && ContainsSubstring("#camera=file"));
 }
 
 TEST_CASE("defaults: a scene that is one point still has a camera in front of it",

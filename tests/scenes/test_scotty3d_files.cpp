@@ -1,11 +1,11 @@
 /// The original Scotty3D scenes. They are not part of this repository: SCOTTY_SCENES names their
 /// folder, or they lie in ../shared/scenes/scotty3d beside it. SCOTTY_SCENES set to nothing: do
 /// without.
-#include <catch2/catch.hpp>
 #include <cstdlib>
 #include <filesystem>
 
 #include "scenes/scenes.h"
+#include "tests/catch.h"
 #include "tests/scenes/mesh_checks.h"
 
 using namespace scotty;

@@ -1,7 +1,7 @@
-#include <catch2/catch.hpp>
 #include <random>
 
 #include "scenes/triangulate_polygon.h"
+#include "tests/catch.h"
 
 using namespace scotty;
 using scenes::Point;

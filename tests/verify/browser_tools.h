@@ -3,12 +3,12 @@
 
 #include <sys/wait.h>
 
-#include <catch2/catch.hpp>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <string>
 
+#include "tests/catch.h"
 #include "tests/verify/capture_tools.h"
 #include "verify/base/ask.h"
 

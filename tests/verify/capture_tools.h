@@ -1,7 +1,6 @@
 /// Runs, captures of them, and folders that go away: shared by the tests of captures and diffs.
 #pragma once
 
-#include <catch2/catch.hpp>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -12,6 +11,7 @@
 #include "emulation/host/pipeline.h"
 #include "reference/contract/wide_bvh.h"
 #include "scenes/scenes.h"
+#include "tests/catch.h"
 #include "tests/small_parameters.h"
 #include "tests/temporary_folder.h"
 #include "tests/verify/stage_copies.h"

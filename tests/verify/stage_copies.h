@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <cstring>
 #include <deque>
 #include <span>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "reference/contract/stage_observer.h"
+#include "tests/catch.h"
 
 namespace scotty::verify::test {
 

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -15,6 +16,7 @@ namespace scotty::verify {
 namespace buffers = reference::buffers;
 
 using reference::Hit;
+using reference::HitCandidate;
 using reference::Ray;
 using reference::StageKind;
 using reference::StageView;
@@ -77,8 +79,7 @@ class Turns {
     }
 
     BenchRays time(const std::string& kind, std::span<const Ray> rays) {
-        const bool any =
-            kind == "shadow" && settings_.parameters.shadow_query == reference::ShadowQuery::any;
+        const bool any = asks_any(kind);
         hits_.resize(rays.size());
         occluded_.resize(any ? rays.size() : 0);
         std::vector<double> ours;
@@ -101,6 +102,18 @@ class Turns {
             theirs.push_back(embrees_turn);
         }
         return {kind, rays.size(), spread_of(std::move(ours)), spread_of(std::move(theirs))};
+    }
+    bool asks_any(const std::string& kind) const {
+        return kind == "shadow" && settings_.parameters.shadow_query == reference::ShadowQuery::any;
+    }
+    /// Embree's, of the latest kind.
+    std::vector<HitCandidate> hits() const {
+        std::vector<HitCandidate> out(hits_.size());
+        for (std::size_t i = 0; i < out.size(); ++i) {
+            out[i] =
+                occluded_.empty() ? hit_record(hits_[i], false) : HitCandidate{0.0f, occluded_[i]};
+        }
+        return out;
     }
 
  private:
@@ -138,6 +151,17 @@ nlohmann::json to_json(const BenchRays& kind, const std::string& backend) {
 /// Between the quartiles, in percent of the median.
 std::string percent(const Spread& spread) { return fmt::format("{:.1f}", 100 * spread.relative()); }
 
+/// By kind, and last of all; Embree's where it is measured alone.
+std::vector<Spread> subject_seconds(const TracedRays& rays) {
+    const auto seconds = [&](const BenchRays& kind) {
+        return rays.backend.empty() ? kind.embree : kind.ours;
+    };
+    std::vector<Spread> out;
+    for (const BenchRays& kind : rays.kinds) out.push_back(seconds(kind));
+    out.push_back(seconds(rays.all));
+    return out;
+}
+
 std::string ray_row(const BenchRays& kind, bool alone) {
     std::string out = fmt::format("{:<10} {:>12}", kind.kind, kind.rays);
     if (!alone) out += fmt::format(" {:>14.3f} {:>7}", kind.our_rate() * 1e-6, percent(kind.ours));
@@ -157,6 +181,8 @@ TracedRays trace_by_turns(const reference::Scene& scene, const reference::WideBv
     exact.arithmetic = reference::Arithmetic::exact;
     emulation::Pipeline(scene, bvh, exact, {settings.threads}, &collector).render();
     Turns turns(scene, bvh, embree, settings, backend);
+    std::optional<PeerRuns> peers;
+    if (!settings.peers.empty()) peers.emplace(settings.peers, scene, settings);
     TracedRays out;
     out.backend = backend;
     out.all.kind = "all";
@@ -167,8 +193,10 @@ TracedRays trace_by_turns(const reference::Scene& scene, const reference::WideBv
         out.all.ours = out.all.ours + timed.ours;
         out.all.embree = out.all.embree + timed.embree;
         out.kinds.push_back(timed);
-        std::vector<Ray>().swap(rays);
+        RayFile file{std::move(rays), turns.asks_any(kind)};
+        if (peers) peers->run(kind, file, turns.hits());
     }
+    if (peers) out.peers = peers->peers();
     return out;
 }
 
@@ -179,7 +207,9 @@ std::string table(const TracedRays& rays) {
     out += fmt::format(" {:>14} {:>7}", "Embree M/s", "IQR %");
     out += alone ? "\n" : fmt::format(" {:>9}\n", "ratio");
     for (const BenchRays& kind : rays.kinds) out += ray_row(kind, alone);
-    return out + ray_row(rays.all, alone);
+    out += ray_row(rays.all, alone);
+    if (!rays.peers.empty()) out += "\n" + table(rays.peers, subject_seconds(rays));
+    return out;
 }
 
 nlohmann::json to_json(const TracedRays& rays) {
@@ -187,6 +217,7 @@ nlohmann::json to_json(const TracedRays& rays) {
     for (const BenchRays& kind : rays.kinds) kinds.push_back(to_json(kind, rays.backend));
     nlohmann::json out{{"rays", kinds}, {"all_rays", to_json(rays.all, rays.backend)}};
     if (!rays.backend.empty()) out["ratio_to_embree"] = rays.all.ratio();
+    if (!rays.peers.empty()) out["peers"] = to_json(rays.peers, subject_seconds(rays));
     return out;
 }
 

@@ -8,6 +8,7 @@
 
 #include "reference/contract/wide_bvh.h"
 #include "reference/truth/tracers.h"
+#include "verify/bench/bench_peers.h"
 #include "verify/bench/bench_subject.h"
 #include "verify/bench/measure.h"
 
@@ -29,18 +30,20 @@ struct TracedRays {
     std::string backend;  ///< empty: Embree alone
     std::vector<BenchRays> kinds;
     BenchRays all;
+    std::vector<Peer> peers;  ///< in BenchSettings::peers, on the same kinds
 };
 
 /// Renders once with the emulator to collect the rays, then times both tracers on them, kind by
 /// kind, taking turns so that neither has the cooler machine. emulator and simt: by the clock, from
 /// rays to hits. cuda: by device events around traversals whose rays lie on the device, in batches
-/// of parameters.batch_rays; copies are not in it. Embree uses the CPU's threads in every case.
+/// of parameters.batch_rays; copies are not in it. Embree uses the CPU's threads in every case. The
+/// peers follow, kind by kind. Throws as PeerRuns.
 TracedRays trace_by_turns(const reference::Scene& scene, const reference::WideBvh& bvh,
                           const reference::EmbreeTracer& embree, const BenchSettings& settings,
                           const std::string& backend);
 
 std::string table(const TracedRays& rays);
-/// Keys rays, all_rays and, where a back end was measured, ratio_to_embree.
+/// Keys rays, all_rays and, where there are such, ratio_to_embree and peers.
 nlohmann::json to_json(const TracedRays& rays);
 
 }  // namespace scotty::verify

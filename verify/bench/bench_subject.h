@@ -16,6 +16,7 @@ struct BenchSettings {
     std::size_t threads = 0;  ///< of the CPU; 0: all
     int warm_ups = 1;         ///< rounds that do not count
     int repeats = 3;          ///< rounds that do; the median counts
+    std::string peers;        ///< folder of other tracers' programs (bench_peers.h); empty: none
     std::function<void(const std::string&)> progress;
 };
 

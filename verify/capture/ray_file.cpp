@@ -214,4 +214,14 @@ Scene read_scene_file(const fs::path& file) {
     return scene;
 }
 
+void write_scene_file(const fs::path& file, const Scene& scene) {
+    Writer writer(file);
+    writer.bytes("SCN1", 4);
+    writer.word(static_cast<std::uint32_t>(scene.vertices.size()));
+    writer.word(static_cast<std::uint32_t>(scene.triangles.size()));
+    writer.bytes(scene.vertices.data(), scene.vertices.size() * sizeof(Vec3));
+    writer.bytes(scene.triangles.data(), scene.triangles.size() * sizeof(scene.triangles[0]));
+    writer.finish();
+}
+
 }  // namespace scotty::verify

@@ -42,5 +42,7 @@ reference::HitCandidate hit_record(const reference::Hit& hit, bool any_hit);
 /// Triangles only: one grey material, no light, a default camera. Validated; its repairs are in
 /// the scene's warnings. Throws bad_input naming file and element.
 reference::Scene read_scene_file(const std::filesystem::path& file);
+/// The scene's triangles in their order, so that a hit's primitive is the same.
+void write_scene_file(const std::filesystem::path& file, const reference::Scene& scene);
 
 }  // namespace scotty::verify

@@ -102,6 +102,14 @@ int run_bench(BenchOptions& options, const CLI::App& command) {
         gates.progress = [&](const std::string& what) { progress.show(what); };
         return print_report(options, machine, progress, bench_gates(gates));
     }
+    if (!options.settings.peers.empty() && options.what != "emulator" && options.what != "cuda" &&
+        options.what != "embree") {
+        throw reference::Error::bad_input(
+            "--peers", fmt::format("only with emulator, cuda and embree, which trace rays by kind; "
+                                   "{} does not",
+                                   options.what));
+    }
+    if (!options.settings.peers.empty()) peer_names(options.settings.peers);
     if (options.what == "check" && command.count("--size") == 0) {
         // The checked tiers take their time.
         options.settings.parameters.image_width = 128;
@@ -141,6 +149,7 @@ void add_bench_command(CLI::App& app, Action& action) {
         "  scotty bench emulator --json - | jq .ratio_to_embree\n"
         "  scotty bench cuda coil --queue-levels 2      on the device, timed by its events\n"
         "  scotty bench embree coil --repeats 9         Embree alone\n"
+        "  scotty bench cuda coil --peers peers/        and every tracer of that folder\n"
         "  scotty bench simt                            the CUDA text on the CPU, beside the "
         "emulator\n"
         "  scotty bench check                           what --check costs on both; 1 is over a "
@@ -182,6 +191,12 @@ void add_bench_command(CLI::App& app, Action& action) {
                      "gates: probability that a sound image is rejected")
         ->check(CLI::Range(1e-15, 0.5))
         ->capture_default_str();
+    command
+        ->add_option("--peers", options->settings.peers,
+                     "emulator, cuda and embree: a folder of other tracers' programs, which trace "
+                     "the same rays (docs/benchmarks.md)")
+        ->type_name("FOLDER")
+        ->check(CLI::ExistingDirectory);
     add_thread_option(*command, options->settings.threads);
     add_picture_options(*command, options->settings.parameters);
     add_pipeline_options(*command, options->settings.parameters);

@@ -70,7 +70,7 @@ namespace {
 using namespace scotty::gpu::simt;
 using namespace scotty::simt::test;
 using namespace scotty::emulation::simt;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 
 constexpr std::size_t kWords = 1024;
 
@@ -122,7 +122,7 @@ TEST_CASE("interleaving: a lost update is found, shrunk to one switch, saved, an
     CHECK(read == *found.failing);
     CHECK(replay(device.checker(), run, read) == found.found);
     CHECK(replay(device.checker(), run, read) == found.found);
-    CHECK_THAT(to_text(read), Contains("stands before access 2, block"));
+    CHECK_THAT(to_text(read), ContainsSubstring("stands before access 2, block"));
 }
 
 TEST_CASE("interleaving: an atomic add loses nothing in any order of two, three and four blocks",
@@ -176,7 +176,8 @@ TEST_CASE(
     CHECK(all.expected[8] == 5);
     const auto never = device.run("wait_for_last", 2, wait_for_last, words, false);
     CHECK_THAT(replay(device.checker(), never, {"wait_for_last", 2, 32, {}}),
-               Contains("kernel wait_for_last, block 0") && Contains("wait for each other"));
+               ContainsSubstring("kernel wait_for_last, block 0") &&
+                   ContainsSubstring("wait for each other"));
 }
 
 TEST_CASE("interleaving: more schedules than allowed is said, not passed over",
@@ -193,7 +194,7 @@ TEST_CASE("interleaving: a file that is none, or of another launch, is refused w
     const auto file = std::filesystem::temp_directory_path() / "scotty_bad.interleaving";
     const auto refused = [&](const std::string& text, const std::string& why) {
         std::ofstream(file) << text;
-        CHECK_THROWS_WITH(read_interleaving(file), Contains(why));
+        CHECK_THROWS_WITH(read_interleaving(file), ContainsSubstring(why));
     };
     const std::string title = "# scotty interleaving, version 1\n";
     refused("kernel a\n", "line 1: expected '# scotty");
@@ -201,13 +202,13 @@ TEST_CASE("interleaving: a file that is none, or of another launch, is refused w
     refused(title + "kernel a\nblocks 2\nthreads 32\nswitch 0 1 2\n", "line 5");
     refused(title + "kernel a\nblocks 2\n", "names no kernel, blocks or threads");
     std::filesystem::remove(file);
-    CHECK_THROWS_WITH(read_interleaving(file), Contains("cannot be read"));
+    CHECK_THROWS_WITH(read_interleaving(file), ContainsSubstring("cannot be read"));
     CHECK_THROWS_WITH(write_interleaving("/proc/no/a", {"a", 1, 32, {}}),
-                      Contains("cannot be written"));
+                      ContainsSubstring("cannot be written"));
     Explored device;
     const auto run = device.run("add_slowly", 3, add_slowly, device.memory, false);
     CHECK_THROWS_WITH(replay(device.checker(), run, {"add_slowly", 2, 32, {}}),
-                      Contains("expected a launch of kernel add_slowly in 2 blocks"));
+                      ContainsSubstring("expected a launch of kernel add_slowly in 2 blocks"));
 }
 
 }  // namespace

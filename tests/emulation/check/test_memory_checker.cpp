@@ -1,9 +1,9 @@
 /// What the checker of memory accesses finds, and what it must not report.
-#include <catch2/catch.hpp>
 
 #include "emulation/check/deliberate.h"
 #include "emulation/check/source_line.h"
 #include "emulation/simt/cuda/cuda_runtime.h"
+#include "tests/catch.h"
 #include "tests/emulation/simt/bad_addresses.h"
 #include "tests/emulation/simt/executor_tools.h"
 
@@ -132,7 +132,7 @@ struct Checked {
 
 std::string said(const std::function<void()>& launch) { return error_of(launch).what(); }
 
-Catch::Matchers::StdString::RegexMatcher says(const std::string& text) {
+auto says(const std::string& text) {
     return Catch::Matchers::Matches("(.|\n)*" + text + "(.|\n)*");
 }
 std::string line(std::uint32_t number) {

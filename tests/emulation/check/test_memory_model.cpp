@@ -2,7 +2,6 @@
 /// whose threads pass barriers, until the first that nothing orders. The checker must report that
 /// access, and nothing before it.
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <memory>
 #include <random>
 #include <string>
@@ -11,11 +10,12 @@
 #include "emulation/check/memory_checker.h"
 #include "emulation/execution/context.h"
 #include "reference/base/error.h"
+#include "tests/catch.h"
 
 namespace {
 
 using namespace scotty::emulation::simt;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 
 /// The rules of memory_checker.h, with nothing forgotten.
 struct Recorded {
@@ -158,9 +158,10 @@ TEST_CASE("memory checker: a thread is not told to have raced with itself", "[si
     tell(checker, Access::write, words, 4, other.context);
     std::vector<MemoryFinding> found = checker.take_findings();
     REQUIRE(found.size() == 1);
-    CHECK_THAT(to_text(found.front()), Contains("a thread of another block reads it at ") &&
-                                           Contains(", thread 0 of block 1 writes it at ") &&
-                                           !Contains("no barrier"));
+    CHECK_THAT(to_text(found.front()),
+               ContainsSubstring("a thread of another block reads it at ") &&
+                   ContainsSubstring(", thread 0 of block 1 writes it at ") &&
+                   !ContainsSubstring("no barrier"));
     one.context.first_block = checker.begin_launch("kernel", 1);
     one.context.thread = 1;
     tell(checker, Access::read, words + 1, 4, one.context);
@@ -170,9 +171,10 @@ TEST_CASE("memory checker: a thread is not told to have raced with itself", "[si
     tell(checker, Access::write, words + 1, 4, one.context);
     found = checker.take_findings();
     REQUIRE(found.size() == 1);
-    CHECK_THAT(to_text(found.front()), Contains("some thread of block 0 reads it at ") &&
-                                           Contains(", thread 1 of block 0 writes it at ") &&
-                                           Contains("no barrier is between"));
+    CHECK_THAT(to_text(found.front()),
+               ContainsSubstring("some thread of block 0 reads it at ") &&
+                   ContainsSubstring(", thread 1 of block 0 writes it at ") &&
+                   ContainsSubstring("no barrier is between"));
 }
 
 TEST_CASE("memory checker: nothing is left of an earlier checker's memory", "[simt][checker]") {
@@ -244,7 +246,8 @@ TEST_CASE("memory checker: more blocks than it can tell apart are refused", "[si
         MemoryChecker checker;
         checker.begin_launch("kernel", 4'000'000'000u);
         CHECK_THROWS_WITH(checker.begin_launch("kernel", 400'000'000u),
-                          Contains("--check: more than two billion blocks") && Contains("--size"));
+                          ContainsSubstring("--check: more than two billion blocks") &&
+                              ContainsSubstring("--size"));
     }
     MemoryChecker next;  // it numbers from the start again
     CHECK(next.begin_launch("kernel", 4'000'000'000u) == 1);

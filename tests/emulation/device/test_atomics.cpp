@@ -1,5 +1,4 @@
 /// Atomics under contention, and distances ordered by their bits.
-#include <catch2/catch.hpp>
 #include <limits>
 #include <vector>
 
@@ -7,6 +6,7 @@
 #include "emulation/device/device.h"
 #include "emulation/kernels/views.h"
 #include "reference/base/vec3.h"
+#include "tests/catch.h"
 
 using namespace scotty::emulation;
 using scotty::reference::kInfinity;

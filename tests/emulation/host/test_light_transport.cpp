@@ -1,12 +1,12 @@
 /// Compares renders with closed forms: these cases have lost light or counted it twice before.
 #include <algorithm>
 #include <array>
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <string>
 #include <vector>
 
 #include "scenes/mesh.h"
+#include "tests/catch.h"
 #include "tests/emulation/renders.h"
 
 using namespace scotty::emulation;

@@ -1,6 +1,5 @@
 /// Whole renders give the same bits under every parameter that must not matter, and Embree's.
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <functional>
 #include <map>
 #include <set>
@@ -9,6 +8,7 @@
 
 #include "reference/base/error.h"
 #include "reference/truth/embree_renderer.h"
+#include "tests/catch.h"
 #include "tests/emulation/renders.h"
 
 using namespace scotty::emulation;
@@ -352,5 +352,5 @@ TEST_CASE("pipeline: memory grows with the rays in flight, not with the image",
 TEST_CASE("pipeline: parameters out of range are refused by name", "[emulation][pipeline]") {
     PipelineParameters p = tiny(8, 8);
     p.rays_per_block = 33;
-    CHECK_THROWS_WITH(render("cornell", p), Catch::Contains("rays per block"));
+    CHECK_THROWS_WITH(render("cornell", p), Catch::Matchers::ContainsSubstring("rays per block"));
 }

@@ -2,7 +2,6 @@
 #include <rapidcheck/catch.h>
 
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -10,6 +9,7 @@
 
 #include "emulation/host/traversal.h"
 #include "reference/truth/tracers.h"
+#include "tests/catch.h"
 #include "tests/emulation/renders.h"
 #include "tests/reference/hard_cases.h"
 #include "tests/reference/meshes.h"
@@ -103,7 +103,8 @@ std::string error_of(ErrorKind kind, Action&& action) {
 }
 
 void check_contains(const std::string& message, const std::vector<std::string>& parts) {
-    for (const std::string& part : parts) CHECK_THAT(message, Catch::Contains(part));
+    for (const std::string& part : parts)
+        CHECK_THAT(message, Catch::Matchers::ContainsSubstring(part));
 }
 
 }  // namespace
@@ -179,8 +180,8 @@ TEST_CASE("trace: a hit buffer that is too small grows, says so, and changes not
     CHECK(same_bits(hits, brute_force(scene, rays)));
     REQUIRE_FALSE(counter.retries.empty());
     CHECK(counter.retries.size() < 8);  // it doubles at least
-    CHECK_THAT(counter.retries[0], Catch::Contains("merge_intersections"));
-    CHECK_THAT(counter.retries[0], Catch::Contains("the buffer had 1 slots"));
+    CHECK_THAT(counter.retries[0], Catch::Matchers::ContainsSubstring("merge_intersections"));
+    CHECK_THAT(counter.retries[0], Catch::Matchers::ContainsSubstring("the buffer had 1 slots"));
     // A buffer that is large enough from the start gives the same bits, and no retry.
     Counter quiet;
     p.hit_capacity = 100;

@@ -1,12 +1,12 @@
 /// The image filters against plain reference loops.
 #include <algorithm>
 #include <array>
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 #include <vector>
 
 #include "emulation/kernels/filter_image.h"
+#include "tests/catch.h"
 #include "tests/emulation/renders.h"
 
 using namespace scotty::emulation;

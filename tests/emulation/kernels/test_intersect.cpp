@@ -1,8 +1,7 @@
 /// The level kernel on inner nodes: which rays it pushes, where to, and what it leaves alone.
 #include <rapidcheck/catch.h>
 
-#include <catch2/catch.hpp>
-
+#include "tests/catch.h"
 #include "tests/emulation/one_level.h"
 
 using namespace scotty::emulation;

@@ -1,11 +1,11 @@
 /// The level kernel on leaves: the closest hit of each ray, recorded once, never out of bounds.
 #include <bit>
-#include <catch2/catch.hpp>
 #include <cstring>
 #include <numeric>
 #include <utility>
 
 #include "reference/truth/tracers.h"
+#include "tests/catch.h"
 #include "tests/emulation/one_level.h"
 
 using namespace scotty::emulation;

@@ -1,12 +1,12 @@
 /// Merging the hits that leaves have found, and publishing minima.
 #include <bit>
-#include <catch2/catch.hpp>
 #include <cstring>
 #include <vector>
 
 #include "emulation/kernels/merge_intersections.h"
 #include "emulation/kernels/publish_minimum.h"
 #include "reference/truth/tracers.h"
+#include "tests/catch.h"
 #include "tests/reference/meshes.h"
 
 using namespace scotty::emulation;

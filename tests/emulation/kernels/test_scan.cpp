@@ -2,7 +2,6 @@
 #include <rapidcheck/catch.h>
 
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <numeric>
 #include <random>
 #include <set>
@@ -10,6 +9,7 @@
 
 #include "emulation/kernels/intersect.h"
 #include "emulation/kernels/scan_counts.h"
+#include "tests/catch.h"
 
 using namespace scotty::emulation;
 using Counts = std::vector<std::uint32_t>;

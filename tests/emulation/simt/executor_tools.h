@@ -1,7 +1,6 @@
 /// Shared by the tests of the executor.
 #pragma once
 
-#include <catch2/catch.hpp>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -9,6 +8,7 @@
 
 #include "emulation/simt/executor.h"
 #include "gpu/kernels/dialect.h"
+#include "tests/catch.h"
 
 namespace scotty::simt::test {
 

@@ -1,12 +1,12 @@
 /// What is uploaded to a device against the host's tables, element by element.
 #include <bit>
-#include <catch2/catch.hpp>
 #include <cstring>
 #include <span>
 #include <variant>
 
 #include "gpu/host/device_scene.h"
 #include "reference/contract/wide_bvh.h"
+#include "tests/catch.h"
 #include "tests/emulation/renders.h"
 #include "tests/verify/capture_tools.h"
 

@@ -19,7 +19,7 @@ namespace {
 
 using namespace scotty::reference;
 using namespace scotty::simt::test;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 using scotty::emulation::test::bvh_of;
 using scotty::emulation::test::differing_pixels;
 using scotty::emulation::test::scene_named;
@@ -188,7 +188,7 @@ TEST_CASE("pipeline: buffers that are too small grow, and the picture is the sam
         bool wants(StageKind) const override { return false; }
         void on_stage(const StageView&) override {}
         void on_retry(std::string_view, std::string_view reason) override {
-            (Contains("a ray has").match(std::string(reason)) ? grown : halved) += 1;
+            (ContainsSubstring("a ray has").match(std::string(reason)) ? grown : halved) += 1;
         }
         int grown = 0;
         int halved = 0;

@@ -1,13 +1,13 @@
 #include <sys/resource.h>
 
-#include <catch2/catch.hpp>
 #include <fstream>
 
 #include "reference/base/error.h"
 #include "reference/base/memory.h"
+#include "tests/catch.h"
 
 using namespace scotty::reference;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
@@ -43,14 +43,14 @@ TEST_CASE("memory: what would not fit is refused with what it needs, what there 
           "[reference][memory]") {
     CHECK_NOTHROW(require_memory(kMiB, "a picture", "a smaller one"));
     CHECK_THROWS_WITH(require_memory(std::uint64_t{1} << 60, "a picture", "a smaller one"),
-                      Contains("a picture needs about 1073741824.0 GiB of memory") &&
-                          Contains("are free; a smaller one"));
+                      ContainsSubstring("a picture needs about 1073741824.0 GiB of memory") &&
+                          ContainsSubstring("are free; a smaller one"));
     const Ulimit limit(64 * kMiB);
     try {
         require_memory(128 * kMiB, "a picture", "a smaller one");
         FAIL("nothing was thrown");
     } catch (const Error& error) {
         CHECK(error.kind() == ErrorKind::missing_environment);
-        CHECK_THAT(error.what(), Contains("needs about 128 MiB of memory"));
+        CHECK_THAT(error.what(), ContainsSubstring("needs about 128 MiB of memory"));
     }
 }

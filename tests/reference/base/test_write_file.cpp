@@ -1,14 +1,14 @@
 #include <sys/resource.h>
 
-#include <catch2/catch.hpp>
 #include <csignal>
 
 #include "reference/base/error.h"
 #include "reference/base/write_file.h"
+#include "tests/catch.h"
 #include "tests/temporary_folder.h"
 
 using namespace scotty;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 using tests::slurp;
 using tests::TemporaryFolder;
 
@@ -51,9 +51,10 @@ TEST_CASE("write file: where there is no room the old file stays, and the reason
     reference::write_file(file, "old");
     {
         const NoRoom limit(4096);
-        CHECK_THROWS_WITH(
-            reference::write_file(file, std::string(1 << 20, 'x')),
-            Contains("report.json") && Contains("cannot be written") && Contains("File too large"));
+        CHECK_THROWS_WITH(reference::write_file(file, std::string(1 << 20, 'x')),
+                          ContainsSubstring("report.json") &&
+                              ContainsSubstring("cannot be written") &&
+                              ContainsSubstring("File too large"));
     }
     CHECK(slurp(file) == "old");
     CHECK_FALSE(std::filesystem::exists(folder / "report.json.unfinished"));
@@ -73,5 +74,5 @@ TEST_CASE("write file: what a killed run left half-way is in nobody's way",
 TEST_CASE("write file: a place that takes no files is an error with the system's reason",
           "[reference][write_file]") {
     CHECK_THROWS_WITH(reference::write_file("/proc/scotty.json", "x"),
-                      Contains("/proc/scotty.json: cannot be written: "));
+                      ContainsSubstring("/proc/scotty.json: cannot be written: "));
 }

@@ -1,4 +1,3 @@
-#include <catch2/catch.hpp>
 
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
@@ -11,6 +10,7 @@
 #include "reference/bvh/binary_bvh.h"
 #include "reference/bvh/reinsertion.h"
 #include "reference/contract/wide_bvh.h"
+#include "tests/catch.h"
 #include "tests/reference/hard_cases.h"
 #include "tests/reference/meshes.h"
 

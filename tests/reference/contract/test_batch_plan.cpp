@@ -1,8 +1,8 @@
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <vector>
 
 #include "reference/contract/batch_plan.h"
+#include "tests/catch.h"
 
 namespace scotty::reference {
 

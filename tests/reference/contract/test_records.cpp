@@ -1,8 +1,8 @@
-#include <catch2/catch.hpp>
 
 #include "reference/contract/scene.h"
 #include "reference/numerics/intersect_triangle.h"
 #include "reference/numerics/rng.h"
+#include "tests/catch.h"
 
 using namespace scotty::reference;
 

@@ -1,12 +1,12 @@
-#include <catch2/catch.hpp>
 
 #include <limits>
 
 #include "reference/base/error.h"
 #include "reference/contract/scene.h"
+#include "tests/catch.h"
 
 using namespace scotty::reference;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
@@ -38,8 +38,9 @@ Light emitting_square() {
 
 void check_rejected(const Scene& broken, const std::string& element, const std::string& what) {
     Scene scene = broken;
-    CHECK_THROWS_WITH(validate_and_repair(scene),
-                      Contains("sound") && Contains(element) && Contains(what));
+    CHECK_THROWS_WITH(validate_and_repair(scene), ContainsSubstring("sound") &&
+                                                      ContainsSubstring(element) &&
+                                                      ContainsSubstring(what));
 }
 
 }  // namespace
@@ -221,7 +222,7 @@ TEST_CASE("scene: normals are repaired, with a count", "[scene]") {
     CHECK(scene.normals[0] == Vec3(0, 0, 1));
     CHECK(scene.normals[1] == Vec3(0, 0, 0));
     REQUIRE(scene.warnings.size() == 1);
-    CHECK_THAT(scene.warnings[0], Contains("2 normals"));
+    CHECK_THAT(scene.warnings[0], ContainsSubstring("2 normals"));
 }
 
 TEST_CASE("scene: zero-area triangles are kept and counted, thin ones are not called empty",
@@ -234,7 +235,8 @@ TEST_CASE("scene: zero-area triangles are kept and counted, thin ones are not ca
     validate_and_repair(scene);
     CHECK(scene.triangles.size() == 3);
     REQUIRE(scene.warnings.size() == 1);
-    CHECK_THAT(scene.warnings[0], Contains("1 triangles have zero area") && Contains("triangle 1"));
+    CHECK_THAT(scene.warnings[0],
+               ContainsSubstring("1 triangles have zero area") && ContainsSubstring("triangle 1"));
 }
 
 TEST_CASE("scene: no light and no emission is said, either one is enough", "[scene]") {
@@ -242,7 +244,7 @@ TEST_CASE("scene: no light and no emission is said, either one is enough", "[sce
     dark.lights.clear();
     validate_and_repair(dark);
     REQUIRE(dark.warnings.size() == 1);
-    CHECK_THAT(dark.warnings[0], Contains("the picture is black"));
+    CHECK_THAT(dark.warnings[0], ContainsSubstring("the picture is black"));
     Scene glowing = sound_scene();
     glowing.lights.clear();
     glowing.materials[0].emission = Vec3(1, 0, 0);

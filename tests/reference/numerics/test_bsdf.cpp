@@ -2,11 +2,11 @@
 #include <rapidcheck/catch.h>
 
 #include <array>
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <vector>
 
 #include "reference/numerics/bsdf.h"
+#include "tests/catch.h"
 #include "tests/reference/meshes.h"
 
 using namespace scotty::reference;

@@ -1,11 +1,11 @@
 /// Camera rays against their closed form.
 #include <rapidcheck/catch.h>
 
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <set>
 
 #include "reference/numerics/path.h"
+#include "tests/catch.h"
 #include "tests/reference/meshes.h"
 
 using namespace scotty::reference;

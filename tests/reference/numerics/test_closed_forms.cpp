@@ -1,6 +1,5 @@
 /// Samplers against their densities and estimators against integrals that are known in closed form.
 /// Every check is first seen to fail: on a sampler or estimator with a planted fault.
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -9,6 +8,7 @@
 #include "reference/numerics/light_sampling.h"
 #include "reference/numerics/rng.h"
 #include "reference/numerics/sampling.h"
+#include "tests/catch.h"
 #include "tests/reference/chi_square.h"
 #include "tests/reference/lights.h"
 

@@ -1,9 +1,9 @@
 /// exp_minus against the double-precision exponential.
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 
 #include "reference/numerics/exponential.h"
+#include "tests/catch.h"
 
 using scotty::reference::exp_minus;
 

@@ -1,7 +1,6 @@
 #include <rapidcheck/catch.h>
 #include <algorithm>
 #include <array>
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -12,6 +11,7 @@
 #include "reference/numerics/intersect_box.h"
 #include "reference/numerics/intersect_triangle.h"
 #include "reference/truth/tracers.h"
+#include "tests/catch.h"
 #include "tests/reference/hard_cases.h"
 #include "tests/reference/meshes.h"
 

@@ -1,11 +1,11 @@
 /// Lights against closed forms: form factors, Lambert's polygon formula, inverse squares.
 #include <rapidcheck/catch.h>
 
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <vector>
 
 #include "reference/numerics/light_sampling.h"
+#include "tests/catch.h"
 #include "tests/reference/lights.h"
 #include "tests/reference/meshes.h"
 

@@ -1,12 +1,12 @@
 /// Path vertices: what is lit, what is counted, and what a path leaves behind when it ends.
 #include <rapidcheck/catch.h>
 
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <vector>
 
 #include "reference/numerics/path.h"
 #include "reference/truth/tracers.h"
+#include "tests/catch.h"
 #include "tests/reference/meshes.h"
 
 using namespace scotty::reference;

@@ -1,9 +1,9 @@
 /// A pixel's mean and variance: the textbook's numbers, whatever the batches.
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <vector>
 
 #include "reference/numerics/pixel_sums.h"
+#include "tests/catch.h"
 #include "tests/reference/meshes.h"
 
 using namespace scotty::reference;

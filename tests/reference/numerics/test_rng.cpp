@@ -2,7 +2,6 @@
 #include <rapidcheck/catch.h>
 
 #include <array>
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdint>
 #include <set>
@@ -11,6 +10,7 @@
 
 #include "reference/numerics/path.h"
 #include "reference/numerics/rng.h"
+#include "tests/catch.h"
 
 using namespace scotty::reference;
 

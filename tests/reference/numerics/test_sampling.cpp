@@ -2,13 +2,13 @@
 #include <rapidcheck/catch.h>
 
 #include <array>
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 #include <vector>
 
 #include "reference/numerics/rng.h"
 #include "reference/numerics/sampling.h"
+#include "tests/catch.h"
 #include "tests/reference/meshes.h"
 
 using namespace scotty::reference;

@@ -1,6 +1,5 @@
 /// Trees that are cut below a level, and what one ray hits below the cut.
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -9,6 +8,7 @@
 #include "reference/contract/wide_bvh.h"
 #include "reference/numerics/closest_in_subtree.h"
 #include "reference/truth/tracers.h"
+#include "tests/catch.h"
 #include "tests/reference/meshes.h"
 
 using namespace scotty::reference;

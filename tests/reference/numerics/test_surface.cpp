@@ -1,13 +1,13 @@
 /// From hit to surface point, and rays that leave without hitting what they left.
 #include <rapidcheck/catch.h>
 
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <optional>
 
 #include "reference/numerics/intersect_triangle.h"
 #include "reference/numerics/sampling.h"
 #include "reference/numerics/surface.h"
+#include "tests/catch.h"
 #include "tests/reference/meshes.h"
 
 using namespace scotty::reference;

@@ -1,5 +1,4 @@
 /// The independent path tracer: closed forms, its noise, and that a run can be interrupted.
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -8,13 +7,14 @@
 
 #include "reference/base/error.h"
 #include "reference/truth/path_tracer.h"
+#include "tests/catch.h"
 #include "tests/reference/meshes.h"
 #include "tests/temporary_folder.h"
 
 namespace scotty::reference::test {
 namespace {
 
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 namespace fs = std::filesystem;
 
 void add_square(Scene& scene, const Vec3& corner, const Vec3& x, const Vec3& y,
@@ -209,20 +209,21 @@ TEST_CASE("path tracer: the state of another run or half a file is refused by na
     PipelineParameters other = p;
     other.bounces = 1;
     CHECK_THAT(message_of(wall, other, options),
-               Contains("state: expected 'bounces 1', found 'bounces 2'"));
+               ContainsSubstring("state: expected 'bounces 1', found 'bounces 2'"));
     other = p;
     other.spp = 3;
-    CHECK_THAT(message_of(wall, other, options), Contains("holds 4 samples per pixel"));
-    CHECK_THAT(message_of(glowing_box(0.5f, 1.0f), p, options), Contains("expected 'scene "));
+    CHECK_THAT(message_of(wall, other, options), ContainsSubstring("holds 4 samples per pixel"));
+    CHECK_THAT(message_of(glowing_box(0.5f, 1.0f), p, options),
+               ContainsSubstring("expected 'scene "));
     const auto size = fs::file_size(options.state);
     std::fstream file(options.state, std::ios::binary | std::ios::in | std::ios::out);
     file.seekp(static_cast<std::streamoff>(size / 2));
     file.put('!').flush();
-    CHECK_THAT(message_of(wall, p, options), Contains("is damaged"));
+    CHECK_THAT(message_of(wall, p, options), ContainsSubstring("is damaged"));
     fs::resize_file(options.state, size - 1);
-    CHECK_THAT(message_of(wall, p, options), Contains("cut short"));
+    CHECK_THAT(message_of(wall, p, options), ContainsSubstring("cut short"));
     options.state = "/proc/no/state";
-    CHECK_THAT(message_of(wall, p, options), Contains("cannot be written"));
+    CHECK_THAT(message_of(wall, p, options), ContainsSubstring("cannot be written"));
 }
 
 TEST_CASE("path tracer: the variance that it states is that between independent runs",

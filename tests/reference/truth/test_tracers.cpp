@@ -1,4 +1,3 @@
-#include <catch2/catch.hpp>
 
 #if defined(__x86_64__)
 #include <xmmintrin.h>
@@ -17,6 +16,7 @@
 #include "reference/base/error.h"
 #include "reference/numerics/intersect_triangle.h"
 #include "reference/truth/tracers.h"
+#include "tests/catch.h"
 #include "tests/reference/meshes.h"
 
 using namespace scotty::reference;

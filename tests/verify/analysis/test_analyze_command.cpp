@@ -1,7 +1,7 @@
 /// scotty analyze as a user runs it, and what it counts and times.
-#include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "tests/catch.h"
 #include "tests/verify/analysis_runs.h"
 #include "tests/verify/command_tools.h"
 #include "verify/analysis/analysis_census.h"
@@ -13,7 +13,7 @@ namespace {
 using namespace scotty;
 using namespace scotty::verify;
 using namespace scotty::verify::test;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 using Catch::Matchers::StartsWith;
 
 AnalysisSettings tiny() {
@@ -63,7 +63,8 @@ TEST_CASE("analyze: only what was asked for, and what is finished is kept at a s
     settings.names = {"width", "rays-per-block"};
     CHECK(analyze(scene, settings).results.size() == 1);
     settings.names = {"nonsense"};
-    CHECK_THROWS_WITH(analyze(scene, settings), Contains("'nonsense'") && Contains("early-out"));
+    CHECK_THROWS_WITH(analyze(scene, settings),
+                      ContainsSubstring("'nonsense'") && ContainsSubstring("early-out"));
 }
 
 TEST_CASE("analyze: the variants of a sweep take turns, and each has its repeats",
@@ -92,7 +93,8 @@ TEST_CASE("analyze: the variants of a sweep take turns, and each has its repeats
     }
     settings.parameters.spp = 1u << 20;
     settings.parameters.image_width = settings.parameters.image_height = 64;
-    CHECK_THROWS_WITH(renders.device_bytes(settings.parameters), Contains("can be in a traversal"));
+    CHECK_THROWS_WITH(renders.device_bytes(settings.parameters),
+                      ContainsSubstring("can be in a traversal"));
 }
 
 TEST_CASE("census: blocks are those of the launches, and a traversal run again counts once",
@@ -152,9 +154,10 @@ TEST_CASE("analyze: the command writes page, figures and JSON, and draws them ag
         folder.file("a"));
     INFO(first.err);
     REQUIRE(first.exit_code == kExitPassed);
-    CHECK_THAT(first.out, Contains("Tree width (width)") && Contains("kernels, ms"));
+    CHECK_THAT(first.out,
+               ContainsSubstring("Tree width (width)") && ContainsSubstring("kernels, ms"));
     const std::string page = slurp(folder / "a/analysis.html");
-    CHECK_THAT(page, StartsWith("<!doctype html>") && Contains("paper, GTX 1080 Ti"));
+    CHECK_THAT(page, StartsWith("<!doctype html>") && ContainsSubstring("paper, GTX 1080 Ti"));
     CHECK_THAT(slurp(folder / "a/strided.svg"), StartsWith("<svg"));
     CHECK_FALSE(std::filesystem::exists(folder / "a/rays.svg"));
 
@@ -175,12 +178,13 @@ TEST_CASE("analyze: bad input says what is wrong, and a device that is not there
     const std::string into = " -o " + folder.file("out");
     const Result name = scotty_here("analyze --analysis speed" + into);
     CHECK(name.exit_code == kExitUsage);
-    CHECK_THAT(name.err, Contains("'speed'") && Contains("rays-per-block") && Contains("memory"));
+    CHECK_THAT(name.err, ContainsSubstring("'speed'") && ContainsSubstring("rays-per-block") &&
+                             ContainsSubstring("memory"));
     const std::string whole = to_json({made_run("one")}).dump();
     spill(folder / "cut.json", whole.substr(0, whole.size() / 2));
     const Result cut = scotty_here("analyze --from " + folder.file("cut.json") + into);
     CHECK(cut.exit_code == kExitUsage);
-    CHECK_THAT(cut.err, Contains("cut.json") && Contains("cut short"));
+    CHECK_THAT(cut.err, ContainsSubstring("cut.json") && ContainsSubstring("cut short"));
     CHECK(scotty_here("analyze --from " + folder.file("none.json") + into).exit_code == kExitUsage);
     CHECK(scotty_here("analyze --backend vulkan" + into).exit_code == kExitUsage);
     CHECK(scotty_here("analyze --size 65536x65536 --spp 8" + into).exit_code == kExitUsage);

@@ -1,4 +1,3 @@
-#include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -6,6 +5,7 @@
 #include "reference/base/error.h"
 #include "reference/contract/parameter_table.h"
 #include "scenes/scenes.h"
+#include "tests/catch.h"
 #include "tests/small_parameters.h"
 #include "tests/verify/command_tools.h"
 #include "verify/bench/bench.h"
@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace scotty;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 
 TEST_CASE("bench: both tracers get the living rays of every traversal", "[verify][bench]") {
     verify::BenchSettings settings;
@@ -56,8 +56,9 @@ TEST_CASE("bench: both tracers get the living rays of every traversal", "[verify
     CHECK(json["rays"][0].contains("emulator_rays_per_second"));
     CHECK(json["rays"][0]["emulator_spread"]["median"] == json["rays"][0]["emulator_seconds"]);
     CHECK(json["render_repeats"].size() == 2);
-    CHECK_THAT(table(report), Contains("emulator M/s") && Contains("traversals of") &&
-                                  Contains("bounce0/light0/") && Contains("of warp"));
+    CHECK_THAT(table(report),
+               ContainsSubstring("emulator M/s") && ContainsSubstring("traversals of") &&
+                   ContainsSubstring("bounce0/light0/") && ContainsSubstring("of warp"));
 }
 
 TEST_CASE("bench: Embree alone needs no back end beside it", "[verify][bench]") {
@@ -72,7 +73,92 @@ TEST_CASE("bench: Embree alone needs no back end beside it", "[verify][bench]") 
     CHECK(json["rays"][0]["embree_rays_per_second"].get<double>() > 0.0);
     CHECK_FALSE(json.contains("ratio_to_embree"));
     CHECK_FALSE(json["rays"][0].contains("ratio"));
-    CHECK_THAT(table(report), Contains("Embree M/s") && !Contains("ratio"));
+    CHECK_THAT(table(report), ContainsSubstring("Embree M/s") && !ContainsSubstring("ratio"));
+}
+
+/// A program of that text in a folder of peers.
+void put_peer(const fs::path& folder, const std::string& name, const std::string& text) {
+    std::ofstream(folder / name) << "#!/bin/sh\n" << text;
+    fs::permissions(folder / name, fs::perms::owner_exec, fs::perm_options::add);
+}
+
+/// Traces with Embree, as a peer does.
+std::string tracing_peer() {
+    const auto scotty = fs::read_symlink("/proc/self/exe").parent_path() / "scotty";
+    return "'" + scotty.string() +
+           "' trace --backend embree --scene \"$1\" --rays \"$2\" -o \"$3\" 2>/dev/null || exit "
+           "4\n";
+}
+
+const verify::Peer& peer_named(const verify::TracedRays& rays, const std::string& name) {
+    for (const verify::Peer& peer : rays.peers) {
+        if (peer.name == name) return peer;
+    }
+    throw std::runtime_error("no peer " + name);
+}
+
+TEST_CASE("bench: peers trace the same rays, and their hits are adjudicated", "[verify][bench]") {
+    const verify::test::TemporaryFolder folder;
+    const fs::path peers = folder.file("peers");
+    fs::create_directories(peers);
+    const std::string rounds = "for i in $(seq $5); do echo seconds 0.25; done\n";
+    put_peer(peers, "right", tracing_peer() + "echo hello\n" + rounds);
+    put_peer(peers, "wrong",
+             tracing_peer() + "head -c 8 /dev/zero | dd of=\"$3\" conv=notrunc\n" + rounds);
+    put_peer(peers, "short", tracing_peer() + "truncate -s 8 \"$3\"\n" + rounds);
+    put_peer(peers, "crash", "echo no device >&2\nexit 3\n");
+    put_peer(peers, "mute", tracing_peer() + "echo seconds nan; echo seconds 1 2\n");
+    std::ofstream(peers / "notes.txt") << "not a program";
+
+    verify::BenchSettings settings;
+    settings.parameters = scotty::test::small_picture(16, 8, 1, 1, 2);
+    settings.repeats = 2;
+    settings.warm_ups = 0;
+    settings.peers = peers;
+    const verify::TracedRays rays = bench_embree(scenes::load_scene("cornell"), settings).rays;
+    REQUIRE(rays.peers.size() == 5);
+    REQUIRE(rays.kinds.size() == 3);
+
+    const verify::Peer& right = peer_named(rays, "right");
+    REQUIRE(right.kinds.size() == 3);
+    for (std::size_t i = 0; i < 3; ++i) {
+        CHECK(right.kinds[i].kind == rays.kinds[i].kind);
+        CHECK(right.kinds[i].rays == rays.kinds[i].rays);
+        CHECK(right.kinds[i].failure.empty());
+        CHECK(right.kinds[i].seconds.median == 0.25);
+        CHECK(right.kinds[i].wrong == 0);
+    }
+    CHECK(right.all().seconds.median == 0.75);
+    CHECK(right.all().rays == rays.all.rays);
+    CHECK(peer_named(rays, "wrong").kinds[0].wrong == 1);
+    CHECK(peer_named(rays, "wrong").all().wrong >= 2);
+    CHECK_THAT(peer_named(rays, "short").kinds[0].failure,
+               ContainsSubstring("1 hits for 128 rays"));
+    CHECK(peer_named(rays, "crash").kinds[0].failure == "exit code 3; its last line: no device");
+    CHECK_THAT(peer_named(rays, "crash").all().failure, ContainsSubstring("primary: exit code 3"));
+    CHECK_THAT(peer_named(rays, "mute").kinds[0].failure,
+               ContainsSubstring("0 lines \"seconds X\", expected 2"));
+
+    CHECK_THAT(table(rays), ContainsSubstring("ours/peer") && ContainsSubstring("no device"));
+    const nlohmann::json json = to_json(rays)["peers"];
+    REQUIRE(json.size() == 5);
+    CHECK(json[0]["name"] == "crash");
+    CHECK(json[0]["rays"][0]["failure"] == "exit code 3; its last line: no device");
+    CHECK(json[2]["name"] == "right");
+    CHECK(json[2]["all_rays"]["seconds"] == 0.75);
+    CHECK(json[2]["all_rays"]["ratio"].get<double>() == 0.75 / rays.all.embree.median);
+}
+
+TEST_CASE("bench: a folder of peers is looked at before the work starts", "[verify][bench]") {
+    const verify::test::TemporaryFolder folder;
+    using verify::test::run_scotty;
+    const auto empty = run_scotty("bench embree cornell --peers '" + (folder / ".").string() + "'");
+    CHECK(empty.exit_code == 2);
+    CHECK_THAT(empty.err,
+               ContainsSubstring("no executable file") && ContainsSubstring("PEER SCENE.scn"));
+    const auto simt = run_scotty("bench simt --peers '" + (folder / ".").string() + "'");
+    CHECK(simt.exit_code == 2);
+    CHECK_THAT(simt.err, ContainsSubstring("only with emulator, cuda and embree"));
 }
 
 TEST_CASE("bench: launches add up by stage, kernel, level, kind of rays and name",
@@ -126,7 +212,7 @@ TEST_CASE("bench: cuda without a device is something missing, exit code 3",
     const verify::test::Result result = verify::test::scotty_here("bench cuda cornell");
     CHECK(result.exit_code == 3);
     CHECK(result.out.empty());
-    CHECK_THAT(result.err, Contains("cuda: "));
+    CHECK_THAT(result.err, ContainsSubstring("cuda: "));
 }
 
 TEST_CASE("bench: every one says machine, warm-ups, repeats and spread", "[verify][bench][cli]") {
@@ -146,13 +232,15 @@ TEST_CASE("bench: every one says machine, warm-ups, repeats and spread", "[verif
         CHECK(json.contains("occupancy") == (what != "embree"));
     }
     const verify::test::Result text = verify::test::scotty_here("bench embree" + small);
-    CHECK_THAT(text.out, Contains("median of 2 after 0 to warm up") && Contains("machine: "));
+    CHECK_THAT(text.out, ContainsSubstring("median of 2 after 0 to warm up") &&
+                             ContainsSubstring("machine: "));
     const verify::test::Result help = verify::test::scotty_here("bench --help");
-    CHECK_THAT(help.out, Contains("bench cuda coil") && Contains("bench embree coil"));
+    CHECK_THAT(help.out,
+               ContainsSubstring("bench cuda coil") && ContainsSubstring("bench embree coil"));
     const verify::test::Result never =
         verify::test::scotty_here("bench embree cornell --repeats 0");
     CHECK(never.exit_code == 2);
-    CHECK_THAT(never.err, Contains("--repeats"));
+    CHECK_THAT(never.err, ContainsSubstring("--repeats"));
 }
 
 TEST_CASE("bench: the CUDA text on the CPU is timed beside the emulator, stage by stage",
@@ -171,7 +259,8 @@ TEST_CASE("bench: the CUDA text on the CPU is timed beside the emulator, stage b
     }
     CHECK(parts <= report.render.simt_seconds);
     CHECK(to_json(report)["ratio_to_emulator"].get<double>() == report.render.ratio());
-    CHECK_THAT(table(report), Contains("whole render") && Contains("intersect_root"));
+    CHECK_THAT(table(report),
+               ContainsSubstring("whole render") && ContainsSubstring("intersect_root"));
 }
 
 TEST_CASE("bench: checking that costs more than its limit fails", "[verify][bench]") {
@@ -191,8 +280,9 @@ TEST_CASE("bench: checking that costs more than its limit fails", "[verify][benc
     CHECK_FALSE(slow.parts[0].within());
     CHECK(slow.parts[1].within());
     CHECK(to_json(slow)["passed"] == false);
-    CHECK_THAT(table(slow), Contains("OVER THE LIMIT"));
-    CHECK_THROWS_WITH(bench_check(scene, settings, "true"), Contains("no figures from true"));
+    CHECK_THAT(table(slow), ContainsSubstring("OVER THE LIMIT"));
+    CHECK_THROWS_WITH(bench_check(scene, settings, "true"),
+                      ContainsSubstring("no figures from true"));
 }
 
 TEST_CASE("bench: the command fails with the limit, exit code 1", "[verify][bench][cli]") {
@@ -234,7 +324,7 @@ TEST_CASE("options: what is printed to be run again is taken by the command that
             using Group = reference::ParameterGroup;
             if (info.group == Group::filter || info.group == Group::arithmetic) continue;
             CAPTURE(command, info.name);
-            CHECK_THAT(help, Contains(std::string(info.option) + " "));
+            CHECK_THAT(help, ContainsSubstring(std::string(info.option) + " "));
         }
     }
 }
@@ -246,7 +336,7 @@ TEST_CASE("options: a size is two numbers around an x", "[verify][options]") {
     CHECK(p.image_height == 480);
     for (const char* text :
          {"640", "640x", "x480", "640x480x3", "6 40x480", "-1x5", "99999999999x1"}) {
-        CHECK_THROWS_WITH(verify::parse_size(text, p), Contains("--size"));
+        CHECK_THROWS_WITH(verify::parse_size(text, p), ContainsSubstring("--size"));
     }
 }
 
@@ -254,7 +344,7 @@ TEST_CASE("options: a list is values between commas", "[verify][options]") {
     CHECK(verify::split_list("--width", "2,4,16") == std::vector<std::string>{"2", "4", "16"});
     CHECK(verify::split_list("--width", "8").size() == 1);
     for (const char* text : {"", ",", "2,", ",4"}) {
-        CHECK_THROWS_WITH(verify::split_list("--width", text), Contains("--width"));
+        CHECK_THROWS_WITH(verify::split_list("--width", text), ContainsSubstring("--width"));
     }
 }
 

@@ -1,8 +1,8 @@
-#include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
 #include "reference/base/error.h"
 #include "scenes/scenes.h"
+#include "tests/catch.h"
 #include "tests/small_parameters.h"
 #include "verify/backends/backend.h"
 #include "verify/base/same_bits.h"
@@ -11,7 +11,7 @@
 namespace {
 
 using namespace scotty;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 
 verify::RenderSettings tiny(const std::string& backend) {
     verify::RenderSettings settings;
@@ -51,7 +51,7 @@ TEST_CASE("measure: every repeat counts, warm-ups do not, and the launches are o
         int said = 0;
         verify::RenderSettings settings = tiny(backend);
         settings.progress = [&](const std::string& what) {
-            CHECK_THAT(what, Contains(backend));
+            CHECK_THAT(what, ContainsSubstring(backend));
             ++said;
         };
         const verify::MeasuredRenders renders = measure_renders(scene, settings);
@@ -86,13 +86,13 @@ TEST_CASE("measure: every repeat counts, warm-ups do not, and the launches are o
 TEST_CASE("measure: says which setting cannot be", "[verify][bench]") {
     const reference::Scene scene = scenes::load_scene("cornell");
     CHECK_THROWS_WITH(measure_renders(scene, tiny("abacus")),
-                      Contains("emulator, simt, cuda") && Contains("abacus"));
+                      ContainsSubstring("emulator, simt, cuda") && ContainsSubstring("abacus"));
     verify::RenderSettings never = tiny("emulator");
     never.repeats = 0;
-    CHECK_THROWS_WITH(measure_renders(scene, never), Contains("--repeats"));
+    CHECK_THROWS_WITH(measure_renders(scene, never), ContainsSubstring("--repeats"));
     verify::RenderSettings fast = tiny("emulator");
     fast.parameters.arithmetic = reference::Arithmetic::fast;
-    CHECK_THROWS_WITH(measure_renders(scene, fast), Contains("--arithmetic"));
+    CHECK_THROWS_WITH(measure_renders(scene, fast), ContainsSubstring("--arithmetic"));
 }
 
 TEST_CASE("measure: a machine is described in one line and in JSON", "[verify][bench]") {
@@ -102,14 +102,15 @@ TEST_CASE("measure: a machine is described in one line and in JSON", "[verify][b
     CHECK(machine.cores <= machine.hardware_threads);
     CHECK(machine.memory_bytes > 1u << 28);
     const std::string line = one_line(machine);
-    CHECK_THAT(line, Contains(machine.cpu) && Contains(machine.compiler) && !Contains("\n"));
+    CHECK_THAT(line, ContainsSubstring(machine.cpu) && ContainsSubstring(machine.compiler) &&
+                         !ContainsSubstring("\n"));
     const nlohmann::json json = to_json(machine);
     for (const char* key : {"cpu", "cores", "hardware_threads", "usable_threads", "memory_bytes",
                             "os", "build", "compiler", "vectors", "embree", "tbb", "cuda"}) {
         CHECK(json.contains(key));
     }
     CHECK(json["cuda"].is_null() == !machine.cuda.has_value());
-    CHECK_THAT(json["build"].get<std::string>(), Contains("-O"));
+    CHECK_THAT(json["build"].get<std::string>(), ContainsSubstring("-O"));
 }
 
 }  // namespace

@@ -1,11 +1,11 @@
 /// Runs held to the tables in reference/contract/buffers.h and stages.h, and every field of every
 /// buffer of the table spoiled in turn.
-#include <catch2/catch.hpp>
 #include <limits>
 #include <map>
 #include <set>
 #include <string>
 
+#include "tests/catch.h"
 #include "tests/small_parameters.h"
 #include "tests/verify/spheres_run.h"
 #include "verify/capture/finite.h"

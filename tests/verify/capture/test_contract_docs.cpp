@@ -1,13 +1,13 @@
 /// The tables of docs/captures.md are those of the contract.
 #include <fmt/format.h>
 
-#include <catch2/catch.hpp>
 #include <cstdlib>
 #include <string>
 #include <vector>
 
 #include "reference/contract/buffers.h"
 #include "reference/contract/stages.h"
+#include "tests/catch.h"
 #include "tests/temporary_folder.h"
 
 namespace {

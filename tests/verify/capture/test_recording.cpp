@@ -1,6 +1,6 @@
 /// Two recordings of one picture are compared in all that they hold.
-#include <catch2/catch.hpp>
 
+#include "tests/catch.h"
 #include "verify/capture/recording.h"
 
 namespace {

@@ -7,7 +7,7 @@
 namespace {
 
 using namespace scotty::verify::test;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 namespace fs = std::filesystem;
 
 /// False, and said so, where there is no scotty-checked: a sanitizer has the calls.
@@ -40,8 +40,8 @@ TEST_CASE("check: both tiers are watched, the deliberate races counted by line",
             CHECK(read["met"] > 0);
             lines += read["line"].get<std::string>() + " ";
         }
-        CHECK_THAT(lines, Contains(backend == "simt" ? "gpu/kernels/intersect.h"
-                                                     : "emulation/kernels/intersect.h"));
+        CHECK_THAT(lines, ContainsSubstring(backend == "simt" ? "gpu/kernels/intersect.h"
+                                                              : "emulation/kernels/intersect.h"));
     }
 }
 
@@ -69,10 +69,10 @@ TEST_CASE("check: every order of a captured stage, and one order from a file", "
     const Result one = run_scotty(stage + "--schedule '" + folder.file("order") + "'");
     INFO(one.err << one.out);
     CHECK(one.exit_code == 0);
-    CHECK_THAT(one.out, Contains("block 0 stands before access 40, block 1 goes on"));
+    CHECK_THAT(one.out, ContainsSubstring("block 0 stands before access 40, block 1 goes on"));
     const Result given_up = run_scotty(stage + "--interleave --most 1");
     CHECK(given_up.exit_code == 1);
-    CHECK_THAT(given_up.out, Contains("GIVEN UP"));
+    CHECK_THAT(given_up.out, ContainsSubstring("GIVEN UP"));
 }
 
 TEST_CASE("check: a data race found by any command is exit code 1, not an internal error",
@@ -85,7 +85,8 @@ TEST_CASE("check: a data race found by any command is exit code 1, not an intern
     const Result capture = run_scotty("capture spheres -o '" + folder.file("c") + "'" + planted);
     INFO(capture.err);
     CHECK(capture.exit_code == 1);
-    CHECK_THAT(capture.err, Contains("data race on") && Contains("stages until the error"));
+    CHECK_THAT(capture.err,
+               ContainsSubstring("data race on") && ContainsSubstring("stages until the error"));
     CHECK(run_scotty("render spheres -o '" + folder.file("a.png") + "'" + planted).exit_code == 1);
 }
 
@@ -94,14 +95,14 @@ TEST_CASE("check: what does not go together is refused", "[verify][check]") {
     std::ofstream(folder.file("order")) << "# scotty interleaving, version 1\n";
     const Result verify = scotty_here("verify cornell --check --backend cuda");
     CHECK(verify.exit_code == 2);
-    CHECK_THAT(verify.err, Contains("emulator or simt"));
+    CHECK_THAT(verify.err, ContainsSubstring("emulator or simt"));
     const Result render =
         scotty_here("render cornell -o a.png --schedule '" + folder.file("order") + "'");
     CHECK(render.exit_code == 2);
-    CHECK_THAT(render.err, Contains("scotty replay runs it"));
+    CHECK_THAT(render.err, ContainsSubstring("scotty replay runs it"));
     const Result replay = scotty_here("replay nowhere --stage a --backend emulator --interleave");
     CHECK(replay.exit_code == 2);
-    CHECK_THAT(replay.err, Contains("are of simt, found emulator"));
+    CHECK_THAT(replay.err, ContainsSubstring("are of simt, found emulator"));
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ namespace {
 
 using namespace scotty::verify;
 using namespace scotty::verify::test;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 namespace fs = std::filesystem;
 
 /// All that a program writes to a terminal of so many columns, and its exit code.
@@ -88,14 +88,14 @@ TEST_CASE("terminal: a verdict is coloured there, and nowhere else unless asked"
     const std::vector<std::string> words{"verify", "cornell",      "--size",  "9x5", "--spp",
                                          "1",      "--no-oracles", "--width", "8",   "--no-golden"};
     const std::string green = "\x1b[32mpassed\x1b[0m";
-    CHECK_THAT(in_terminal(80, words).out, Contains(green));
+    CHECK_THAT(in_terminal(80, words).out, ContainsSubstring(green));
     std::string line;
     for (const std::string& word : words) line += word + " ";
-    CHECK_THAT(run_scotty(line).out, Contains("passed") && !Contains("\x1b"));
-    CHECK_THAT(run_scotty(line + "--color always").out, Contains(green));
+    CHECK_THAT(run_scotty(line).out, ContainsSubstring("passed") && !ContainsSubstring("\x1b"));
+    CHECK_THAT(run_scotty(line + "--color always").out, ContainsSubstring(green));
     const Result quiet = run_scotty(line + "-q --color never");
     CHECK(quiet.err.empty());
-    CHECK_THAT(quiet.out, Contains("passed") && !Contains("\x1b"));
+    CHECK_THAT(quiet.out, ContainsSubstring("passed") && !ContainsSubstring("\x1b"));
     setenv("NO_COLOR", "1", 1);
     CHECK_FALSE(has_color(STDOUT_FILENO));
     unsetenv("NO_COLOR");
@@ -149,8 +149,9 @@ TEST_CASE("help: fits 80 columns and speaks no CLI11, for every command", "[veri
         CHECK(text == scotty_here(name + " --help").out);
     }
     CHECK(scotty_here("help").out == texts.front().second);
-    CHECK_THAT(scotty_here("help verify").out, Contains("--threads N") && Contains("(0..4096)"));
-    CHECK_THAT(scotty_here("-V").out, Contains("scotty 0."));
+    CHECK_THAT(scotty_here("help verify").out,
+               ContainsSubstring("--threads N") && ContainsSubstring("(0..4096)"));
+    CHECK_THAT(scotty_here("-V").out, ContainsSubstring("scotty 0."));
 }
 
 TEST_CASE("help: what was mistyped, command or option, is guessed", "[verify][cli]") {
@@ -162,10 +163,10 @@ TEST_CASE("help: what was mistyped, command or option, is guessed", "[verify][cl
         const Result result = scotty_here(arguments);
         INFO("scotty " << arguments << "\n" << result.err);
         CHECK(result.exit_code == 2);
-        CHECK_THAT(result.err, Contains(expected));
+        CHECK_THAT(result.err, ContainsSubstring(expected));
     }
-    CHECK_THAT(scotty_here("frobnicate").err, !Contains("did you mean"));
-    CHECK_THAT(scotty_here("verify --frobnicate").err, !Contains("did you mean"));
+    CHECK_THAT(scotty_here("frobnicate").err, !ContainsSubstring("did you mean"));
+    CHECK_THAT(scotty_here("verify --frobnicate").err, !ContainsSubstring("did you mean"));
 }
 
 TEST_CASE("completion: every shell gets commands, options, choices and scenes", "[verify][cli]") {
@@ -174,7 +175,7 @@ TEST_CASE("completion: every shell gets commands, options, choices and scenes", 
         REQUIRE(result.exit_code == 0);
         for (const char* word : {"verify", "fail-fast", "golden", "approve", "coil", "immediate"}) {
             INFO(shell);
-            CHECK_THAT(result.out, Contains(word));
+            CHECK_THAT(result.out, ContainsSubstring(word));
         }
     }
     CHECK(scotty_here("completion ksh").exit_code == 2);
@@ -197,8 +198,9 @@ TEST_CASE("manual: has every command and option, and no line that roff would tak
           "[verify][cli]") {
     const Result result = scotty_here("manual");
     REQUIRE(result.exit_code == 0);
-    CHECK_THAT(result.out, Contains(".TH SCOTTY 1") && Contains(".SH scotty verify") &&
-                               Contains("\\-\\-fail\\-fast"));
+    CHECK_THAT(result.out, ContainsSubstring(".TH SCOTTY 1") &&
+                               ContainsSubstring(".SH scotty verify") &&
+                               ContainsSubstring("\\-\\-fail\\-fast"));
     std::istringstream lines(result.out);
     for (std::string line; std::getline(lines, line);) {
         if (line.empty() || line[0] != '.') continue;
@@ -219,10 +221,10 @@ TEST_CASE("outputs: a folder that is not there is said before the work starts", 
         const Result result = scotty_here(command + gone + ".png");
         INFO("scotty " << command << "\n" << result.err);
         CHECK(result.exit_code == 2);
-        CHECK_THAT(result.err, Contains("does not exist"));
+        CHECK_THAT(result.err, ContainsSubstring("does not exist"));
     }
     CHECK_FALSE(fs::exists(folder.file("gone")));
-    CHECK_THAT(why_not_writable(folder.path().string()), Contains("is a folder"));
+    CHECK_THAT(why_not_writable(folder.path().string()), ContainsSubstring("is a folder"));
     CHECK(why_not_writable("-").empty());
     CHECK(why_not_writable(folder.file("new")).empty());
 }

@@ -1,9 +1,9 @@
 /// A machine without OpenImageIO: only what reads or writes an image file needs it.
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <filesystem>
 #include <string>
 
+#include "tests/catch.h"
 #include "tests/verify/command_tools.h"
 #include "tests/verify/image_tools.h"
 #include "verify/images/image_file.h"
@@ -11,7 +11,7 @@
 namespace {
 
 using namespace scotty::verify::test;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 namespace fs = std::filesystem;
 
 /// `scotty` with a variable of the environment.
@@ -27,8 +27,8 @@ constexpr const char* kTiny = " --size 16x12 --spp 2 --bounces 1 --light-samples
 
 TEST_CASE("without images: the program itself links no library for images", "[verify][cli]") {
     const Result libraries = scotty_with("LD_TRACE_LOADED_OBJECTS=1", "");
-    REQUIRE_THAT(libraries.out, Contains("libstdc++"));
-    CHECK_THAT(libraries.out, !Contains("OpenImageIO"));
+    REQUIRE_THAT(libraries.out, ContainsSubstring("libstdc++"));
+    CHECK_THAT(libraries.out, !ContainsSubstring("OpenImageIO"));
     CHECK(std::count(libraries.out.begin(), libraries.out.end(), '\n') < 25);
 }
 
@@ -45,7 +45,7 @@ TEST_CASE("without images: renders, arrays and verification work", "[verify][cli
           0);
     const Result doctor = without_images("doctor");
     CHECK(doctor.exit_code == 0);
-    CHECK_THAT(doctor.out, Contains("SCOTTY_IMAGE_MODULE"));
+    CHECK_THAT(doctor.out, ContainsSubstring("SCOTTY_IMAGE_MODULE"));
 }
 
 TEST_CASE("without images: what needs them says what is missing, before any work",
@@ -60,12 +60,13 @@ TEST_CASE("without images: what needs them says what is missing, before any work
         const Result result = without_images(command);
         INFO(command << "\n" << result.err);
         CHECK(result.exit_code == 3);
-        CHECK_THAT(result.err, Contains("need OpenImageIO") && Contains("cannot be loaded"));
+        CHECK_THAT(result.err,
+                   ContainsSubstring("need OpenImageIO") && ContainsSubstring("cannot be loaded"));
     }
     const Result not_a_module =
         scotty_with("SCOTTY_IMAGE_MODULE=/usr/bin/env", "diff " + exr + " " + exr);
     CHECK(not_a_module.exit_code == 3);
-    CHECK_THAT(not_a_module.err, Contains("/usr/bin/env"));
+    CHECK_THAT(not_a_module.err, ContainsSubstring("/usr/bin/env"));
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
 /// The diff: passes what is equal, and names the right place where one thing was spoiled.
 #include <bit>
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "tests/catch.h"
 #include "tests/verify/capture_tools.h"
 #include "verify/diff/diff.h"
 #include "verify/diff/diff_parts.h"
@@ -15,7 +15,7 @@ using namespace scotty;
 using namespace scotty::reference;
 using namespace scotty::verify;
 using namespace scotty::verify::test;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 
 constexpr emulation::DeviceOptions kSerial{.schedule = emulation::ScheduleKind::linear};
 constexpr const char* kLevel = "bounce0/level1/intersect";
@@ -108,10 +108,11 @@ TEST_CASE("diff: one ulp in one ray is found, with ray, field, ulps and pixel", 
     CHECK(first.pixel_y == 20 / 13);
     CHECK(first.sample == 1);
     CHECK_FALSE(first.input);
-    CHECK_THAT(first.a, Contains("0x"));
+    CHECK_THAT(first.a, ContainsSubstring("0x"));
     CHECK(first.a != first.b);
-    CHECK_THAT(first.replay, Contains("scotty replay") && Contains("--stage primary_rays") &&
-                                 Contains("--backend emulator"));
+    CHECK_THAT(first.replay, ContainsSubstring("scotty replay") &&
+                                 ContainsSubstring("--stage primary_rays") &&
+                                 ContainsSubstring("--backend emulator"));
     CHECK(stage(run.report, "primary_rays").buffers[0].different == 1);
 }
 
@@ -148,7 +149,7 @@ TEST_CASE("diff: two ids swapped between two nodes", "[verify][diff]") {
     CHECK(first.ray != kNotApplicable);
     CHECK(first.block != kNotApplicable);
     CHECK(first.pixel_x != kNotApplicable);
-    CHECK_THAT(first.sentence, Contains("holds another ray"));
+    CHECK_THAT(first.sentence, ContainsSubstring("holds another ray"));
     CHECK(verdict(run.report, kLevel, "child_counts") == Verdict::identical);
 }
 
@@ -169,7 +170,7 @@ TEST_CASE("diff: a lost ray", "[verify][diff]") {
     CHECK(first.node == node);
     CHECK(first.ray == ray);
     CHECK(first.block != kNotApplicable);
-    CHECK_THAT(first.sentence, Contains("the ray is missing from the node's queue"));
+    CHECK_THAT(first.sentence, ContainsSubstring("the ray is missing from the node's queue"));
     CHECK(verdict(run.report, kLevel, "child_counts") == Verdict::differs);
 }
 
@@ -186,8 +187,8 @@ TEST_CASE("diff: a ray that is in a queue twice", "[verify][diff]") {
     const Divergence& first = run.first();
     CHECK(first.stage == kLevel);
     CHECK(first.buffer == "child_queue");
-    CHECK_THAT(first.sentence, Contains("twice"));
-    CHECK_THAT(first.b, Contains(std::to_string(ray)));
+    CHECK_THAT(first.sentence, ContainsSubstring("twice"));
+    CHECK_THAT(first.b, ContainsSubstring(std::to_string(ray)));
 }
 
 TEST_CASE("diff: a queue in another order is reordered, not different", "[verify][diff]") {
@@ -259,8 +260,8 @@ TEST_CASE("diff: a lost hit, and hits in another order", "[verify][diff]") {
     CHECK(lost.first().stage == name);
     CHECK(lost.first().buffer == "hits");
     CHECK(lost.first().ray == ray);
-    CHECK_THAT(lost.first().sentence, Contains("a hit of the ray is missing"));
-    CHECK_THAT(lost.first().b, Contains("no such hit"));
+    CHECK_THAT(lost.first().sentence, ContainsSubstring("a hit of the ray is missing"));
+    CHECK_THAT(lost.first().b, ContainsSubstring("no such hit"));
 
     const Spoiled swapped(
         [&](StageCopies& stages) {
@@ -316,7 +317,7 @@ TEST_CASE("diff: what a stage was handed wrong is told from what it did wrong", 
     CHECK(run.first().input);
     CHECK(run.first().buffer == "potential");
     CHECK(run.first().field == "g");
-    CHECK_THAT(run.first().sentence, Contains("handed"));
+    CHECK_THAT(run.first().sentence, ContainsSubstring("handed"));
 }
 
 TEST_CASE("diff: a value that is not finite is counted and named before all else",
@@ -394,7 +395,8 @@ TEST_CASE("diff: a missing stage is a failure at its place", "[verify][diff]") {
         CHECK_FALSE(report.passed());
         REQUIRE(report.first() != nullptr);
         CHECK(report.first()->stage == kLevel);
-        CHECK_THAT(report.first()->sentence, Contains(in_b ? "missing in B" : "missing in A"));
+        CHECK_THAT(report.first()->sentence,
+                   ContainsSubstring(in_b ? "missing in B" : "missing in A"));
         CHECK(stage(report, kLevel).missing);
         CHECK(report.stages.size() == whole.stages().size());
     }
@@ -405,7 +407,7 @@ TEST_CASE("diff: a missing buffer is a failure", "[verify][diff]") {
         [](StageCopies& stages) { stages.at("bounce0/scene_rays").view.outputs.pop_back(); });
     CHECK(run.first().stage == "bounce0/scene_rays");
     CHECK(run.first().buffer == "depth");
-    CHECK_THAT(run.first().sentence, Contains("missing in B"));
+    CHECK_THAT(run.first().sentence, ContainsSubstring("missing in B"));
 }
 
 TEST_CASE("diff: stages that only one side was asked for are counted, not failed",
@@ -442,7 +444,7 @@ TEST_CASE("diff: captures of different things are not compared", "[verify][diff]
     p.seed = 5;
     const Capture b = make_capture(folder / "b", p, {}, kSerial, {"primary_rays"});
     CHECK_THAT(error_of([&] { diff_captures(a, b); }),
-               Contains("cannot be compared: the parameter seed is 5 there and 0 in"));
+               ContainsSubstring("cannot be compared: the parameter seed is 5 there and 0 in"));
     spill(folder / "a" / "index.json",
           replaced(slurp(folder / "a" / "index.json"), a.header().scene_name + "\",",
                    a.header().scene_name + "\", \"other\": 1,"));
@@ -451,7 +453,7 @@ TEST_CASE("diff: captures of different things are not compared", "[verify][diff]
         replaced(index, "\"fingerprint\": \"", "\"fingerprint\": \"0000000000000000\", \"x\": \"");
     spill(folder / "a" / "index.json", index);
     CHECK_THAT(error_of([&] { diff_captures(Capture::open(folder / "a"), a); }),
-               Contains("the scene's fingerprint"));
+               ContainsSubstring("the scene's fingerprint"));
 }
 
 PipelineParameters immediate() {
@@ -495,7 +497,7 @@ TEST_CASE("diff: early-out immediate: a lost ray that was needed is out of bound
         },
         immediate());
     CHECK(run.first().stage == "bounce0/level0/intersect_root");
-    CHECK_THAT(run.first().sentence, Contains("B is out of bounds"));
+    CHECK_THAT(run.first().sentence, ContainsSubstring("B is out of bounds"));
     CHECK(run.first().ray != kNotApplicable);
 }
 
@@ -573,7 +575,7 @@ TEST_CASE("diff: captures without their buffers are compared by hash", "[verify]
     REQUIRE_FALSE(other.passed());
     CHECK(other.first()->stage == "bounce0/scene_rays");
     CHECK(other.first()->buffer == "throughput");
-    CHECK_THAT(other.first()->sentence, Contains("without its buffers"));
+    CHECK_THAT(other.first()->sentence, ContainsSubstring("without its buffers"));
 }
 
 TEST_CASE("diff: the report as JSON has the place of the first divergence", "[verify][diff]") {
@@ -588,9 +590,9 @@ TEST_CASE("diff: the report as JSON has the place of the first divergence", "[ve
     CHECK(json["first_divergence"]["ray"] == 0);
     CHECK(json["kinds"]["merge_intersections"]["differs"] == 1);
     CHECK(json["stages"].size() == run.report.stages.size());
-    CHECK_THAT(to_text(run.report), Contains("first divergence: launch") &&
-                                        Contains("1 ulps apart") &&
-                                        Contains("merge_intersections"));
+    CHECK_THAT(to_text(run.report), ContainsSubstring("first divergence: launch") &&
+                                        ContainsSubstring("1 ulps apart") &&
+                                        ContainsSubstring("merge_intersections"));
 }
 
 TEST_CASE("diff: ulps count floats between, across zero too, and NaN has none", "[verify][diff]") {

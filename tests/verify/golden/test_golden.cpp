@@ -1,11 +1,11 @@
 /// golden/: what check finds, that propose touches nothing and approve only its case.
-#include <catch2/catch.hpp>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "tests/catch.h"
 #include "tests/verify/capture_tools.h"
 #include "verify/golden/golden.h"
 #include "verify/golden/golden_proposal.h"
@@ -13,7 +13,7 @@
 namespace scotty::verify::test {
 namespace {
 
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 namespace fs = std::filesystem;
 
 const Date kDay = "2020-06-15";
@@ -122,18 +122,18 @@ TEST_CASE("golden check: a case without an entry and an entry without its file a
     std::vector<GoldenCase> more = cases();
     more.push_back(tiny_case("new", "cornell"));
     CHECK_THAT(only_finding(store.check(more)),
-               Contains("missing new") && Contains("scotty golden propose new"));
+               ContainsSubstring("missing new") && ContainsSubstring("scotty golden propose new"));
     fs::remove(store.golden / "images" / "sky.exr");
-    CHECK_THAT(only_finding(store.check()),
-               Contains("missing sky images/sky.exr") && Contains("git checkout"));
+    CHECK_THAT(only_finding(store.check()), ContainsSubstring("missing sky images/sky.exr") &&
+                                                ContainsSubstring("git checkout"));
 }
 
 TEST_CASE("golden check: files and entries that nobody knows are orphaned", "[verify][golden]") {
     const FullStore store;
     spill(store.golden / "images" / "old.exr", "what is this");
-    CHECK_THAT(only_finding(store.check()), Contains("orphaned  images/old.exr"));
+    CHECK_THAT(only_finding(store.check()), ContainsSubstring("orphaned  images/old.exr"));
     fs::remove(store.golden / "images" / "old.exr");
-    CHECK_THAT(only_finding(store.check({cases()[0]})), Contains("orphaned sky"));
+    CHECK_THAT(only_finding(store.check({cases()[0]})), ContainsSubstring("orphaned sky"));
 }
 
 TEST_CASE("golden check: other parameters and another scene make an entry stale",
@@ -141,15 +141,18 @@ TEST_CASE("golden check: other parameters and another scene make an entry stale"
     const FullStore store;
     std::vector<GoldenCase> list = cases();
     list[0].image.bounces = 2;
-    CHECK_THAT(only_finding(store.check(list)),
-               Contains("stale box") && Contains("image/bounces was 1, now it is 2"));
+    CHECK_THAT(
+        only_finding(store.check(list)),
+        ContainsSubstring("stale box") && ContainsSubstring("image/bounces was 1, now it is 2"));
     list = cases();
     list[1].ledger.width = 8;
-    CHECK_THAT(only_finding(store.check(list)),
-               Contains("stale sky") && Contains("ledger/width was 4, now it is 8"));
+    CHECK_THAT(
+        only_finding(store.check(list)),
+        ContainsSubstring("stale sky") && ContainsSubstring("ledger/width was 4, now it is 8"));
     list = cases();
     list[1].scene = "furnace:albedo=0.25";
-    CHECK_THAT(only_finding(store.check(list)), Contains("stale sky") && Contains("scene"));
+    CHECK_THAT(only_finding(store.check(list)),
+               ContainsSubstring("stale sky") && ContainsSubstring("scene"));
     list = cases();
     list[0].pipeline.spp = 99;  // the pipeline's side is not in the files
     CHECK(store.check(list).empty());
@@ -163,7 +166,7 @@ TEST_CASE("golden check: one byte that is not what was approved is corruption",
     text[text.size() / 2] ^= 1;
     spill(file, text);
     CHECK_THAT(only_finding(store.check()),
-               Contains("corrupted box ledgers/box.txt") && Contains("checksum"));
+               ContainsSubstring("corrupted box ledgers/box.txt") && ContainsSubstring("checksum"));
 }
 
 TEST_CASE("golden check: a waiver past its end and one of no case are found", "[verify][golden]") {
@@ -173,10 +176,12 @@ TEST_CASE("golden check: a waiver past its end and one of no case are found", "[
     store.write_waivers(good);
     CHECK(store.check().empty());  // its last day
     store.write_waivers(replaced(good, "06-15", "06-14"));
-    CHECK_THAT(only_finding(store.check()),
-               Contains("waiver box") && Contains("expired on 2020-06-14") && Contains("known"));
+    CHECK_THAT(only_finding(store.check()), ContainsSubstring("waiver box") &&
+                                                ContainsSubstring("expired on 2020-06-14") &&
+                                                ContainsSubstring("known"));
     store.write_waivers(replaced(good, "box", "bax"));
-    CHECK_THAT(only_finding(store.check()), Contains("waiver bax") && Contains("no case"));
+    CHECK_THAT(only_finding(store.check()),
+               ContainsSubstring("waiver bax") && ContainsSubstring("no case"));
 }
 
 TEST_CASE("golden: a manifest that is not one is refused with file and member",
@@ -188,12 +193,16 @@ TEST_CASE("golden: a manifest that is not one is refused with file and member",
         spill(file, text);
         return error_of([&] { read_manifest(store.golden); });
     };
-    CHECK_THAT(error(good.substr(0, 200)), Contains("manifest.json") && Contains("JSON"));
-    CHECK_THAT(error(replaced(good, "\"version\": 1", "\"version\": 2")), Contains("version 1"));
-    CHECK_THAT(error(replaced(good, "\"commit\"", "\"comet\"")), Contains("'commit' is missing"));
+    CHECK_THAT(error(good.substr(0, 200)),
+               ContainsSubstring("manifest.json") && ContainsSubstring("JSON"));
+    CHECK_THAT(error(replaced(good, "\"version\": 1", "\"version\": 2")),
+               ContainsSubstring("version 1"));
+    CHECK_THAT(error(replaced(good, "\"commit\"", "\"comet\"")),
+               ContainsSubstring("'commit' is missing"));
     CHECK_THAT(error(replaced(good, "\"name\": \"sky\"", "\"name\": \"box\"")),
-               Contains("manifest.json"));
-    CHECK_THAT(error(replaced(good, "images/box.exr", "../box.exr")), Contains("not of this case"));
+               ContainsSubstring("manifest.json"));
+    CHECK_THAT(error(replaced(good, "images/box.exr", "../box.exr")),
+               ContainsSubstring("not of this case"));
 }
 
 TEST_CASE("golden propose: nothing in the golden folder changes, and it may not write there",
@@ -208,9 +217,9 @@ TEST_CASE("golden propose: nothing in the golden folder changes, and it may not 
     CHECK(changed.pixels_changed == 12);
     CHECK(changed.largest_z > 0.0);
     CHECK(changed.ledger == Proposal::Change::unchanged);
-    CHECK_THAT(changed.reason_to_propose, Contains("stale"));
-    CHECK_THAT(to_text({changed}),
-               Contains("image changed in 12 pixels") && Contains("scotty golden approve box"));
+    CHECK_THAT(changed.reason_to_propose, ContainsSubstring("stale"));
+    CHECK_THAT(to_text({changed}), ContainsSubstring("image changed in 12 pixels") &&
+                                       ContainsSubstring("scotty golden approve box"));
 
     const Proposal same = store.propose(cases()[1]);
     CHECK(same.image == Proposal::Change::unchanged);
@@ -219,7 +228,8 @@ TEST_CASE("golden propose: nothing in the golden folder changes, and it may not 
 
     ProposalSettings inside = store.settings();
     inside.output = store.golden / "new";
-    CHECK_THAT(error_of([&] { propose_golden(cases()[0], inside); }), Contains("only approve"));
+    CHECK_THAT(error_of([&] { propose_golden(cases()[0], inside); }),
+               ContainsSubstring("only approve"));
     CHECK(contents(store.golden) == before);
 }
 
@@ -248,7 +258,8 @@ TEST_CASE("golden propose: --ledger-only keeps the image, and asks for one that 
     CHECK(slurp(store.proposals / "images" / (changed.name + ".exr")) ==
           slurp(store.golden / "images" / (changed.name + ".exr")));
     fs::remove(store.golden / "images" / (changed.name + ".exr"));
-    CHECK_THROWS_WITH(propose_golden(changed, settings), Contains("without --ledger-only"));
+    CHECK_THROWS_WITH(propose_golden(changed, settings),
+                      ContainsSubstring("without --ledger-only"));
 }
 
 TEST_CASE("golden approve: only the files and the entry of its case change", "[verify][golden]") {
@@ -281,14 +292,14 @@ TEST_CASE("golden approve: without a reason, a proposal, or the proposed files i
         return error_of(
             [&] { approve_golden(golden_case, store.golden, store.proposals, reason); });
     };
-    CHECK_THAT(approve(cases()[0], " "), Contains("--reason"));
+    CHECK_THAT(approve(cases()[0], " "), ContainsSubstring("--reason"));
     CHECK_THAT(approve(tiny_case("new", "cornell"), "why"),
-               Contains("no proposal") && Contains("scotty golden propose new"));
+               ContainsSubstring("no proposal") && ContainsSubstring("scotty golden propose new"));
     GoldenCase other = cases()[0];
     other.image.spp = 5;
-    CHECK_THAT(approve(other, "why"), Contains("other settings"));
+    CHECK_THAT(approve(other, "why"), ContainsSubstring("other settings"));
     spill(store.proposals / "images" / "box.exr", "changed since");
-    CHECK_THAT(approve(cases()[0], "why"), Contains("not the file that was proposed"));
+    CHECK_THAT(approve(cases()[0], "why"), ContainsSubstring("not the file that was proposed"));
     CHECK(contents(store.golden) == before);
 }
 

@@ -1,9 +1,9 @@
 /// A pipeline held against golden files: seen to pass, and to fail where it is wrong.
-#include <catch2/catch.hpp>
 #include <filesystem>
 #include <functional>
 #include <string>
 
+#include "tests/catch.h"
 #include "tests/verify/capture_tools.h"
 #include "tests/verify/golden_tools.h"
 #include "verify/golden/golden_judge.h"
@@ -12,7 +12,7 @@
 namespace scotty::verify::test {
 namespace {
 
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 namespace fs = std::filesystem;
 
 constexpr double kFalseAlarm = 1e-4;
@@ -70,8 +70,8 @@ TEST_CASE("golden judge: a wrong picture fails by stage, buffer and gate", "[ver
     CHECK(verdict.ledger.stage == "reconstruct_image");
     CHECK(verdict.ledger.buffer == "image");
     REQUIRE(verdict.faults.size() >= 2);
-    CHECK_THAT(verdict.faults[0], Contains("ledger: reconstruct_image: buffer 'image'"));
-    CHECK_THAT(verdict.faults[1], Contains("image, global gate"));
+    CHECK_THAT(verdict.faults[0], ContainsSubstring("ledger: reconstruct_image: buffer 'image'"));
+    CHECK_THAT(verdict.faults[1], ContainsSubstring("image, global gate"));
 }
 
 TEST_CASE("golden judge: a waiver lets pass what it names, and only that", "[verify][golden]") {
@@ -86,7 +86,7 @@ TEST_CASE("golden judge: a waiver lets pass what it names, and only that", "[ver
     const GoldenVerdict verdict = store.judge(with_light_scaled(1.5f), book);
     CHECK(verdict.passed());
     CHECK(verdict.waived.size() >= 2);
-    CHECK_THAT(verdict.waived[0], Contains("known"));
+    CHECK_THAT(verdict.waived[0], ContainsSubstring("known"));
     CHECK(book.unused({"box"}, "emulator").front().gate == "finite");
 
     WaiverBook expired({ledger}, "2021-01-01");
@@ -105,12 +105,12 @@ TEST_CASE("golden judge: missing, stale and corrupted golden files are no pass",
     };
     GoldenCase other = small_case();
     other.name = "new";
-    CHECK_THAT(error(other), Contains("'new'") && Contains("missing"));
+    CHECK_THAT(error(other), ContainsSubstring("'new'") && ContainsSubstring("missing"));
     other = small_case();
     other.image.bounces = 1;
-    CHECK_THAT(error(other), Contains("stale"));
+    CHECK_THAT(error(other), ContainsSubstring("stale"));
     spill(store.golden / "images" / "box.exr", "something else");
-    CHECK_THAT(error(small_case()), Contains("images/box.exr is corrupted"));
+    CHECK_THAT(error(small_case()), ContainsSubstring("images/box.exr is corrupted"));
 }
 
 }  // namespace scotty::verify::test

@@ -1,5 +1,4 @@
 /// golden/hashes.txt: what a hash is of, what is compared, and how the file changes.
-#include <catch2/catch.hpp>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -7,6 +6,7 @@
 #include "reference/base/error.h"
 #include "reference/base/write_file.h"
 #include "scenes/scenes.h"
+#include "tests/catch.h"
 #include "tests/verify/capture_tools.h"
 #include "verify/golden/golden.h"
 #include "verify/golden/golden_proposal.h"
@@ -17,7 +17,7 @@
 namespace scotty::verify::test {
 namespace {
 
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 namespace fs = std::filesystem;
 
 VerifySettings small_settings(HashBook& book) {
@@ -50,7 +50,7 @@ TEST_CASE("hash book: a run leaves a hash of scene, trees, rays, hits, image and
     std::vector<std::string> parts;
     for (const auto& [what, hash] : recorded_hashes()) {
         CAPTURE(what);
-        if (part_of(what) != "table") CHECK_THAT(what, Contains(" cornell"));
+        if (part_of(what) != "table") CHECK_THAT(what, ContainsSubstring(" cornell"));
         CHECK(hash != 0);
         parts.push_back(part_of(what));
     }
@@ -76,7 +76,8 @@ TEST_CASE("hash book: each hash that is another fails the verification and is na
         CHECK(failures.front().failure.invariant == kGoldenHash);
         CHECK(failures.front().failure.stage == part_of(what));
         CHECK(failures.front().failure.field == what);
-        CHECK_THAT(failures.front().failure.sentence, Contains("scotty golden propose hashes"));
+        CHECK_THAT(failures.front().failure.sentence,
+                   ContainsSubstring("scotty golden propose hashes"));
         CHECK(book.compared() == recorded_hashes().size());
     }
 }
@@ -99,7 +100,7 @@ TEST_CASE("hash book: a run that is not in the book fails only where the book is
     HashBook complete({}, true);
     const std::vector<Failure> failures = complete.look_up({{"tree x --width 8", 1}});
     REQUIRE(failures.size() == 1);
-    CHECK_THAT(failures.front().sentence, Contains("has no hash of this run"));
+    CHECK_THAT(failures.front().sentence, ContainsSubstring("has no hash of this run"));
 }
 
 TEST_CASE("hash book: what a check has called wrong is not called another besides",
@@ -130,9 +131,10 @@ TEST_CASE("hash book: text and back, and a line that is no hash is named", "[ver
                              "0123456789ABCDEF tree x", "0123456789abcdef", ""}) {
         CAPTURE(line);
         reference::write_file(file, "0123456789abcdef tree x\n" + std::string(line) + "\n");
-        CHECK_THROWS_WITH(read_hashes(file), Contains(file) && Contains("line 2"));
+        CHECK_THROWS_WITH(read_hashes(file),
+                          ContainsSubstring(file) && ContainsSubstring("line 2"));
     }
-    CHECK_THROWS_WITH(read_hashes(folder / "none.txt"), Contains("cannot be read"));
+    CHECK_THROWS_WITH(read_hashes(folder / "none.txt"), ContainsSubstring("cannot be read"));
 }
 
 TEST_CASE("hash book: proposed, approved, checked", "[verify][golden]") {
@@ -147,7 +149,8 @@ TEST_CASE("hash book: proposed, approved, checked", "[verify][golden]") {
     const HashProposal first = propose_hashes(recorded_hashes(), settings);
     CHECK(first.added == recorded_hashes().size());
     CHECK_FALSE(fs::exists(settings.golden / kHashesFile));
-    CHECK_THROWS_WITH(approve_hashes(settings.golden, settings.output, " "), Contains("--reason"));
+    CHECK_THROWS_WITH(approve_hashes(settings.golden, settings.output, " "),
+                      ContainsSubstring("--reason"));
     approve_hashes(settings.golden, settings.output, "a test");
     CHECK((golden_hashes(settings.golden) == recorded_hashes()));
     CHECK(check_golden(settings.golden, {}, "2020-06-15").empty());
@@ -161,10 +164,11 @@ TEST_CASE("hash book: proposed, approved, checked", "[verify][golden]") {
     CHECK(second.added == 1);
     CHECK(second.changed == 1);
     CHECK(second.gone == 1);
-    CHECK_THAT(to_text(second), Contains("scotty golden approve hashes"));
+    CHECK_THAT(to_text(second), ContainsSubstring("scotty golden approve hashes"));
 
     reference::write_file((settings.golden / kHashesFile).string(), "0123456789abcdef tree x\n");
-    CHECK_THROWS_WITH(golden_hashes(settings.golden), Contains("not what the manifest says"));
+    CHECK_THROWS_WITH(golden_hashes(settings.golden),
+                      ContainsSubstring("not what the manifest says"));
     const auto findings = check_golden(settings.golden, {}, "2020-06-15");
     REQUIRE(findings.size() == 1);
     CHECK(findings.front().problem == GoldenProblem::corrupted);

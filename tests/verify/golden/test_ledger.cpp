@@ -1,13 +1,13 @@
-#include <catch2/catch.hpp>
 #include <string>
 
+#include "tests/catch.h"
 #include "tests/verify/capture_tools.h"
 #include "verify/golden/ledger.h"
 
 namespace scotty::verify::test {
 namespace {
 
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 
 Ledger ledger_of_run(const Spoil& spoil = {}, const emulation::DeviceOptions& device = {}) {
     const TemporaryFolder folder;
@@ -48,7 +48,8 @@ TEST_CASE("ledger: the first stage and buffer that differ are named", "[verify][
     CHECK(found.stage == "bounce0/light0/resolve_light");
     CHECK(found.buffer == "radiance");
     CHECK(found.differing == 2);
-    CHECK_THAT(found.sentence, Contains("bounce0/light0/resolve_light: buffer 'radiance'"));
+    CHECK_THAT(found.sentence,
+               ContainsSubstring("bounce0/light0/resolve_light: buffer 'radiance'"));
 }
 
 TEST_CASE("ledger: a missing stage, a new one and another buffer are named", "[verify][golden]") {
@@ -57,17 +58,18 @@ TEST_CASE("ledger: a missing stage, a new one and another buffer are named", "[v
     };
     Ledger other = truth();
     std::erase_if(other.lines, is_scene_rays);
-    CHECK_THAT(compare_ledgers(truth(), other).sentence,
-               Contains("bounce0/scene_rays: the golden run has this stage, this one has not"));
+    CHECK_THAT(
+        compare_ledgers(truth(), other).sentence,
+        ContainsSubstring("bounce0/scene_rays: the golden run has this stage, this one has not"));
     CHECK_THAT(compare_ledgers(other, truth()).sentence,
-               Contains("bounce0/scene_rays: the golden run has no such stage"));
+               ContainsSubstring("bounce0/scene_rays: the golden run has no such stage"));
     other = truth();
     other.lines.pop_back();
     CHECK(compare_ledgers(truth(), other).stage == "reconstruct_image");
     CHECK(compare_ledgers(other, truth()).stage == "reconstruct_image");
     other = truth();
     std::swap(other.lines[0], other.lines[1]);
-    CHECK_THAT(compare_ledgers(truth(), other).sentence, Contains("was expected"));
+    CHECK_THAT(compare_ledgers(truth(), other).sentence, ContainsSubstring("was expected"));
 }
 
 TEST_CASE("ledger: another scene, tree or parameter is not compared line by line",
@@ -75,7 +77,7 @@ TEST_CASE("ledger: another scene, tree or parameter is not compared line by line
     Ledger other = truth();
     other.header[1].second = "0000000000000000";
     const LedgerComparison found = compare_ledgers(truth(), other);
-    CHECK_THAT(found.sentence, Contains("another bvh"));
+    CHECK_THAT(found.sentence, ContainsSubstring("another bvh"));
     CHECK(found.stage.empty());
 }
 
@@ -86,10 +88,12 @@ TEST_CASE("ledger: text that is none is refused by file and line", "[verify][gol
         return error_of([&] { read_ledger(folder / "ledger.txt"); });
     };
     const std::string good = to_text(truth());
-    CHECK_THAT(error("hello"), Contains("ledger.txt: line 1"));
-    CHECK_THAT(error(good + "stage buffer 0123\n"), Contains("hexadecimal"));
-    CHECK_THAT(error(good + "stage buffer 0123456789abcdef more\n"), Contains("hexadecimal"));
-    CHECK_THAT(error_of([&] { read_ledger(folder / "none.txt"); }), Contains("cannot be read"));
+    CHECK_THAT(error("hello"), ContainsSubstring("ledger.txt: line 1"));
+    CHECK_THAT(error(good + "stage buffer 0123\n"), ContainsSubstring("hexadecimal"));
+    CHECK_THAT(error(good + "stage buffer 0123456789abcdef more\n"),
+               ContainsSubstring("hexadecimal"));
+    CHECK_THAT(error_of([&] { read_ledger(folder / "none.txt"); }),
+               ContainsSubstring("cannot be read"));
 }
 
 }  // namespace scotty::verify::test

@@ -1,10 +1,10 @@
 /// Golden images and ledgers inside `scotty verify`, and the golden images among themselves.
-#include <catch2/catch.hpp>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "scenes/scenes.h"
+#include "tests/catch.h"
 #include "tests/verify/command_tools.h"
 #include "tests/verify/golden_tools.h"
 #include "verify/golden/golden_judge.h"
@@ -13,7 +13,7 @@
 namespace scotty::verify::test {
 namespace {
 
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 namespace fs = std::filesystem;
 
 /// The project's golden files, to be spoiled.
@@ -72,20 +72,20 @@ TEST_CASE("verify golden: a missing, spoiled or foreign file fails, and is never
     const Copy copy;
     SECTION("the image is gone") {
         fs::remove(copy.golden / "images/furnace.exr");
-        CHECK_THAT(failures_text(copy.verify()),
-                   Contains("[golden-missing]") && Contains("images/furnace.exr"));
+        CHECK_THAT(failures_text(copy.verify()), ContainsSubstring("[golden-missing]") &&
+                                                     ContainsSubstring("images/furnace.exr"));
     }
     SECTION("the ledger is another") {
         spill(copy.golden / "ledgers/furnace.txt", "nonsense\n");
-        CHECK_THAT(failures_text(copy.verify()), Contains("[golden-corrupted]"));
+        CHECK_THAT(failures_text(copy.verify()), ContainsSubstring("[golden-corrupted]"));
     }
     SECTION("the whole folder is gone") {
         fs::remove_all(copy.golden);
-        CHECK_THAT(failures_text(copy.verify()), Contains("[golden]"));
+        CHECK_THAT(failures_text(copy.verify()), ContainsSubstring("[golden]"));
     }
     SECTION("a waiver has expired") {
         spill(copy.golden / "waivers.json", waivers_until("2020-01-01"));
-        CHECK_THAT(failures_text(copy.verify()), Contains("[golden-waiver]"));
+        CHECK_THAT(failures_text(copy.verify()), ContainsSubstring("[golden-waiver]"));
     }
     CHECK_FALSE(copy.verify().passed());
 }
@@ -97,15 +97,15 @@ TEST_CASE(
     const Copy copy;
     const Report report = copy.verify(with_light_scaled(0.99f));
     CHECK_FALSE(report.passed());
-    CHECK_THAT(failures_text(report),
-               Contains("[golden-ledger] reconstruct_image") && Contains("[image-global] furnace"));
-    CHECK_THAT(table(report), Contains("furnace") && Contains("FAILED"));
+    CHECK_THAT(failures_text(report), ContainsSubstring("[golden-ledger] reconstruct_image") &&
+                                          ContainsSubstring("[image-global] furnace"));
+    CHECK_THAT(table(report), ContainsSubstring("furnace") && ContainsSubstring("FAILED"));
     spill(copy.golden / "waivers.json", waivers_until("2999-01-01"));
     const Report waived = copy.verify(with_light_scaled(0.99f));
     INFO(failures_text(waived));
     CHECK(waived.passed());
-    CHECK_THAT(table(waived), Contains("let pass") && Contains("a test"));
-    CHECK_THAT(to_json(waived).dump(), Contains("global"));
+    CHECK_THAT(table(waived), ContainsSubstring("let pass") && ContainsSubstring("a test"));
+    CHECK_THAT(to_json(waived).dump(), ContainsSubstring("global"));
 }
 
 TEST_CASE("verify golden: every golden image is rejected as any other", "[verify][golden]") {
@@ -135,7 +135,8 @@ TEST_CASE("verify golden: the command judges golden images alone, and says so wh
     fs::remove(copy.golden / "ledgers/furnace.txt");
     const Result failed = run_scotty(only);
     CHECK(failed.exit_code == kExitFailed);
-    CHECK_THAT(failed.out, Contains("golden-missing") && Contains("scotty golden"));
+    CHECK_THAT(failed.out,
+               ContainsSubstring("golden-missing") && ContainsSubstring("scotty golden"));
 }
 
 }  // namespace scotty::verify::test

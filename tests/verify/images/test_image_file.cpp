@@ -1,19 +1,19 @@
 #include <OpenImageIO/imageio.h>
 
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <vector>
 
 #include "reference/base/error.h"
+#include "tests/catch.h"
 #include "tests/temporary_folder.h"
 #include "verify/images/image_file.h"
 
 namespace {
 
 using namespace scotty;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 namespace fs = std::filesystem;
 
 std::ptrdiff_t files_in(const tests::TemporaryFolder& folder) {
@@ -72,13 +72,13 @@ TEST_CASE("image file: a name or folder that will not do is refused, nothing is 
           "[verify][image]") {
     const tests::TemporaryFolder folder;
     CHECK_THROWS_WITH(verify::write_image(gradient(), folder.file("a.jpeg")),
-                      Contains("a.jpeg") && Contains(".exr, .png or .npy"));
+                      ContainsSubstring("a.jpeg") && ContainsSubstring(".exr, .png or .npy"));
     CHECK_THROWS_WITH(verify::check_image_path(folder.file("no/such/a.png")),
-                      Contains("does not exist"));
+                      ContainsSubstring("does not exist"));
     fs::create_directories(folder / "taken.png");
     std::ofstream(folder / "taken.png/inside") << "x";
     CHECK_THROWS_WITH(verify::write_image(gradient(), folder.file("taken.png")),
-                      Contains("taken.png"));
+                      ContainsSubstring("taken.png"));
     CHECK(files_in(folder) == 1);
 }
 

@@ -1,9 +1,9 @@
 /// Each gate seen to fail on the fault that it is there for, at the right place, and none without.
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 #include <string>
 
+#include "tests/catch.h"
 #include "tests/verify/image_tools.h"
 #include "verify/images/image_gates.h"
 #include "verify/images/planted_faults.h"
@@ -12,7 +12,7 @@ namespace {
 
 using namespace scotty::verify;
 using namespace scotty::verify::test;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 
 constexpr double kFalseAlarm = 1e-4;
 
@@ -100,15 +100,15 @@ TEST_CASE("image gates: a fault is named where it is", "[verify][image][gates]")
         judge_image(synthetic_render(settings_of(2), ImageFault::dark_tile), golden(), {});
     const GateResult& dark = result_of(tile, Gate::tile);
     CHECK((dark.x == 16 && dark.y == 32 && dark.width == 8 && dark.height == 8));
-    CHECK_THAT(dark.text, Contains("the 8x8 tile at (16, 32)") && Contains("-"));
+    CHECK_THAT(dark.text, ContainsSubstring("the 8x8 tile at (16, 32)") && ContainsSubstring("-"));
 
     const ImageVerdict nan =
         judge_image(synthetic_render(settings_of(2), ImageFault::not_a_number), golden(), {});
     const GateResult& finite = result_of(nan, Gate::finite);
     CHECK((finite.x == 0 && finite.y == 32 && finite.channel == 1));
-    CHECK_THAT(finite.text, Contains("(0, 32) green: nan"));
+    CHECK_THAT(finite.text, ContainsSubstring("(0, 32) green: nan"));
     CHECK_FALSE(result_of(nan, Gate::global).ran);
-    CHECK_THAT(result_of(nan, Gate::global).text, Contains("finite gate failed"));
+    CHECK_THAT(result_of(nan, Gate::global).text, ContainsSubstring("finite gate failed"));
     CHECK(nan.worst.front().y == 32);
 
     MeasuredImage one = synthetic_render(settings_of(2));
@@ -117,7 +117,7 @@ TEST_CASE("image gates: a fault is named where it is", "[verify][image][gates]")
     const GateResult& pixel = result_of(dot, Gate::pixel);
     CHECK_FALSE(pixel.passed);
     CHECK((pixel.x == 50 && pixel.y == 20));
-    CHECK_THAT(pixel.text, Contains("pixel (50, 20)") && Contains("-100.00 %"));
+    CHECK_THAT(pixel.text, ContainsSubstring("pixel (50, 20)") && ContainsSubstring("-100.00 %"));
     CHECK((dot.worst.front().x == 50 && dot.worst.front().y == 20));
     CHECK(dot.worst.size() == 10);
     CHECK(dot.first_failure() == &pixel);
@@ -231,10 +231,10 @@ TEST_CASE("image gates: a variance that is missing is not guessed from the other
     image.variance.clear();
     const ImageVerdict unknown = judge_image(image, golden(), {});
     CHECK(fails(unknown, Gate::layout));
-    CHECK_THAT(result_of(unknown, Gate::layout).text, Contains("the image does not say"));
+    CHECK_THAT(result_of(unknown, Gate::layout).text, ContainsSubstring("the image does not say"));
     image.samples = 1;
     CHECK_THAT(judge_image(image, golden(), {}).first_failure()->text,
-               Contains("one sample a pixel"));
+               ContainsSubstring("one sample a pixel"));
 }
 
 TEST_CASE("image gates: bits that differ where no noise is known are no verdict",
@@ -261,7 +261,7 @@ TEST_CASE("image gates: a constant pixel that differs is told without infinities
     const ImageVerdict verdict = judge_image(image, truth, {});
     CHECK(fails(verdict, Gate::pixel));
     CHECK_THAT(result_of(verdict, Gate::pixel).text,
-               Contains("neither image has any noise") && !Contains("inf"));
+               ContainsSubstring("neither image has any noise") && !ContainsSubstring("inf"));
 }
 
 TEST_CASE("image gates: samples that are means of paths weigh as many", "[verify][image][gates]") {
@@ -285,7 +285,8 @@ TEST_CASE("image gates: layouts that do not fit are a finding, not an exception"
     wide.height = 8;
     const ImageVerdict verdict = judge_image(wide, image, {});
     CHECK(fails(verdict, Gate::layout));
-    CHECK_THAT(verdict.first_failure()->text, Contains("32x8") && Contains("16x16"));
+    CHECK_THAT(verdict.first_failure()->text,
+               ContainsSubstring("32x8") && ContainsSubstring("16x16"));
     CHECK_FALSE(result_of(verdict, Gate::finite).ran);
     MeasuredImage cut = image;
     cut.mean.resize(100);
@@ -293,7 +294,8 @@ TEST_CASE("image gates: layouts that do not fit are a finding, not an exception"
     CHECK(fails(judge_image({}, {}, {}), Gate::layout));
     MeasuredImage single = image;
     single.samples = 1;
-    CHECK_THAT(judge_image(single, image, {}).first_failure()->text, Contains("single sample"));
+    CHECK_THAT(judge_image(single, image, {}).first_failure()->text,
+               ContainsSubstring("single sample"));
 }
 
 TEST_CASE("image gates: infinities, negative radiance and spoiled variances are not finite",
@@ -305,7 +307,8 @@ TEST_CASE("image gates: infinities, negative radiance and spoiled variances are 
         image.mean[200][0] = value;
         CHECK(fails(judge_image(image, good, {}), Gate::finite));
         const ImageVerdict reversed = judge_image(good, image, {});
-        CHECK_THAT(reversed.first_failure()->text, Contains("the golden image has 1 pixel"));
+        CHECK_THAT(reversed.first_failure()->text,
+                   ContainsSubstring("the golden image has 1 pixel"));
         image = good;
         image.variance[200][0] = value;
         CHECK(fails(judge_image(image, good, {}), Gate::finite));
@@ -342,8 +345,8 @@ TEST_CASE("image gates: without noise only equal bits pass, or a stated toleranc
     off.mean[30][1] = std::nextafter(static_cast<float>(off.mean[30][1]), 2.0f);
     const ImageVerdict verdict = judge_by_tolerance(off, image, 0.0);
     CHECK(fails(verdict, Gate::equal));
-    CHECK_THAT(verdict.first_failure()->text,
-               Contains("1 of 576 values differ") && Contains("green of pixel (14, 1)"));
+    CHECK_THAT(verdict.first_failure()->text, ContainsSubstring("1 of 576 values differ") &&
+                                                  ContainsSubstring("green of pixel (14, 1)"));
     CHECK(verdict.metrics.max_ulps == 1.0);
     CHECK(judge_by_tolerance(off, image, 1e-6).passed());
     off.mean[30][1] *= 1.03;

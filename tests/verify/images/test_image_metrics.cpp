@@ -1,10 +1,10 @@
 /// Distances on cases that can be worked out, or that the FLIP authors' own program has worked out.
 #include <array>
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 #include <vector>
 
+#include "tests/catch.h"
 #include "tests/verify/image_tools.h"
 #include "verify/base/statistics.h"
 #include "verify/images/flip.h"

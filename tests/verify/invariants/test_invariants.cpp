@@ -2,7 +2,6 @@
 /// and not to fail on the run as it was.
 #include <algorithm>
 #include <bit>
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -12,6 +11,7 @@
 #include "emulation/host/pipeline.h"
 #include "reference/contract/wide_bvh.h"
 #include "scenes/scenes.h"
+#include "tests/catch.h"
 #include "tests/verify/capture_tools.h"
 #include "tests/verify/spheres_run.h"
 #include "verify/invariants/invariants.h"

@@ -1,10 +1,10 @@
 /// What shading and filters give, recomputed: seen to fail, at the right stage and ray.
 #include <bit>
-#include <catch2/catch.hpp>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "tests/catch.h"
 #include "tests/verify/capture_tools.h"
 #include "tests/verify/spheres_run.h"
 

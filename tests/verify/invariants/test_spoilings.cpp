@@ -2,7 +2,6 @@
 /// and expects the invariants, the comparison and the canonical form to see each. A new buffer is
 /// covered by being in the table.
 #include <bit>
-#include <catch2/catch.hpp>
 #include <cstdint>
 #include <limits>
 #include <map>
@@ -14,6 +13,7 @@
 #include <vector>
 
 #include "reference/contract/buffers.h"
+#include "tests/catch.h"
 #include "tests/verify/capture_tools.h"
 #include "tests/verify/spheres_run.h"
 #include "verify/capture/canonical.h"

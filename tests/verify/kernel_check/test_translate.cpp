@@ -1,13 +1,13 @@
 /// From CUDA text to C++ text: what is changed, what is not, and what is refused.
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <string>
 
 #include "reference/base/error.h"
+#include "tests/catch.h"
 #include "verify/kernel_check/kernel_check.h"
 #include "verify/kernel_check/translate.h"
 
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 using scotty::verify::main_of_launch;
 using scotty::verify::translate_cuda;
 
@@ -29,26 +29,26 @@ TEST_CASE("translate: a launch becomes a call", "[verify][check]") {
     const std::string text = translate_cuda(
         "__global__ void k(int* a) {}\n"
         "void f() { k<<<dim3(1, 2), 32>>>(nullptr); }\n");
-    CHECK_THAT(text, !Contains("<<<") && !Contains("__global__"));
-    CHECK_THAT(text, Contains("launcher(\"k\", k, ::scotty_cuda::Config(dim3(1, 2), 32))"
-                              "(nullptr)"));
+    CHECK_THAT(text, !ContainsSubstring("<<<") && !ContainsSubstring("__global__"));
+    CHECK_THAT(text, ContainsSubstring("launcher(\"k\", k, ::scotty_cuda::Config(dim3(1, 2), 32))"
+                                       "(nullptr)"));
 }
 
 TEST_CASE("translate: a template is launched by name", "[verify][check]") {
     const std::string text = translate_cuda(
         "template <class T> __global__ void k(T* a) {}\n"
         "void f(int* a) { k<int><<<1, 32>>>(a); }\n");
-    CHECK_THAT(text, Contains("generic_launcher(\"k<int>\""));
+    CHECK_THAT(text, ContainsSubstring("generic_launcher(\"k<int>\""));
 }
 
 TEST_CASE("translate: shared variables become references", "[verify][check]") {
     const std::string text = translate_cuda(
         "__global__ void k() { __shared__ volatile float a[2][3], b; extern __shared__ int c[]; "
         "}\n");
-    CHECK_THAT(text, !Contains("__shared__"));
-    CHECK_THAT(text, Contains("typedef volatile float  scotty_type_a_0[2][3];"));
-    CHECK_THAT(text, Contains("& b = ::scotty_cuda::shared<"));
-    CHECK_THAT(text, Contains("* const c = "));
+    CHECK_THAT(text, !ContainsSubstring("__shared__"));
+    CHECK_THAT(text, ContainsSubstring("typedef volatile float  scotty_type_a_0[2][3];"));
+    CHECK_THAT(text, ContainsSubstring("& b = ::scotty_cuda::shared<"));
+    CHECK_THAT(text, ContainsSubstring("* const c = "));
 }
 
 TEST_CASE("translate: variables of the device are registered, functions are not",
@@ -58,10 +58,10 @@ TEST_CASE("translate: variables of the device are registered, functions are not"
         "__constant__ float c;\n"
         "__device__ int f(int x) { return x; }\n"
         "extern __device__ int d;\n");
-    CHECK_THAT(text, Contains("(&a, sizeof(a), \"a\", ::scotty_cuda::Space::device)"));
-    CHECK_THAT(text, Contains("(&b, "));
-    CHECK_THAT(text, Contains("\"c\", ::scotty_cuda::Space::constant"));
-    CHECK_THAT(text, !Contains("&f") && !Contains("&d,"));
+    CHECK_THAT(text, ContainsSubstring("(&a, sizeof(a), \"a\", ::scotty_cuda::Space::device)"));
+    CHECK_THAT(text, ContainsSubstring("(&b, "));
+    CHECK_THAT(text, ContainsSubstring("\"c\", ::scotty_cuda::Space::constant"));
+    CHECK_THAT(text, !ContainsSubstring("&f") && !ContainsSubstring("&d,"));
 }
 
 TEST_CASE("translate: a kernel's returns announce themselves, a lambda's do not",
@@ -72,10 +72,10 @@ TEST_CASE("translate: a kernel's returns announce themselves, a lambda's do not"
         "    auto f = [&](int i) { if (i) return; };\n"
         "}\n"
         "void host() { return; }\n");
-    CHECK_THAT(text, Contains("return ::scotty_cuda::leave(\"\", 1);") ||
-                         Contains("return ::scotty_cuda::leave(\"\", 2);"));
-    CHECK_THAT(text, Contains("if (i) return; }"));
-    CHECK_THAT(text, Contains("void host() { return; }"));
+    CHECK_THAT(text, ContainsSubstring("return ::scotty_cuda::leave(\"\", 1);") ||
+                         ContainsSubstring("return ::scotty_cuda::leave(\"\", 2);"));
+    CHECK_THAT(text, ContainsSubstring("if (i) return; }"));
+    CHECK_THAT(text, ContainsSubstring("void host() { return; }"));
 }
 
 TEST_CASE("translate: lines stay where they are", "[verify][check]") {
@@ -107,17 +107,17 @@ TEST_CASE("translate: what is not supported is refused by file, line and name", 
     for (const char* word : {"asm(\"\");", "cudaTextureObject_t t;", "int x = __shfl(1, 2);",
                              "cudaGraph_t g;", "__half h;"}) {
         const std::string complaint = complaint_about(begin + word);
-        CHECK_THAT(complaint, Contains("a.cu:2: '"));
-        CHECK_THAT(complaint, Contains("is not supported"));
+        CHECK_THAT(complaint, ContainsSubstring("a.cu:2: '"));
+        CHECK_THAT(complaint, ContainsSubstring("is not supported"));
     }
     CHECK_THAT(complaint_about("__global__ void k() { k<<<1, 1>>>(); }"),
-               Contains("dynamic parallelism"));
-    CHECK_THAT(complaint_about("__shared__ int a;"), Contains("outside of functions"));
+               ContainsSubstring("dynamic parallelism"));
+    CHECK_THAT(complaint_about("__shared__ int a;"), ContainsSubstring("outside of functions"));
 }
 
 TEST_CASE("check: --launch makes a main", "[verify][check]") {
     const std::string text = main_of_launch("k<<<2, 32>>>(float[64], 7, int[4])");
-    CHECK_THAT(text, Contains("filled<float>(64)") && Contains("filled<int>(4)"));
-    CHECK_THAT(text, Contains("k<<<2, 32>>>(scotty_array_0, 7, scotty_array_1);"));
+    CHECK_THAT(text, ContainsSubstring("filled<float>(64)") && ContainsSubstring("filled<int>(4)"));
+    CHECK_THAT(text, ContainsSubstring("k<<<2, 32>>>(scotty_array_0, 7, scotty_array_1);"));
     CHECK_THROWS_AS(main_of_launch("k(1)"), scotty::reference::Error);
 }

@@ -1,12 +1,12 @@
 /// Planted faults: how they are run, when they count as caught, and the registry itself.
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <csignal>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
 
+#include "tests/catch.h"
 #include "tests/verify/command_tools.h"
 #include "verify/base/shard.h"
 #include "verify/capture/ray_file.h"
@@ -198,8 +198,9 @@ TEST_CASE("mutants: a fault whose text has changed fails the command, and nothin
     CHECK(result.out.find("does not apply any more: found 0 times") != std::string::npos);
     CHECK(result.out.find("1 of them do not apply any more") != std::string::npos);
     CHECK(result.out.find("no-such-scene") == std::string::npos);
-    CHECK_THROWS_WITH(plant("some_fault", "emulator"),
-                      Catch::Matchers::Contains("some_fault does not apply any more: found 0"));
+    CHECK_THROWS_WITH(
+        plant("some_fault", "emulator"),
+        Catch::Matchers::ContainsSubstring("some_fault does not apply any more: found 0"));
     CHECK(scotty_here("mutants --list").exit_code == kExitPassed);
     CHECK(offered.switched_on == 0);
 }
@@ -242,7 +243,7 @@ TEST_CASE("mutants: a shard is every N-th, and together they are all", "[verify]
     CHECK(parse_shard("").has(7));
     for (const char* text : {"0/3", "4/3", "3", "1/", "/2", "1/2x", "a/b"}) {
         CAPTURE(text);
-        CHECK_THROWS_WITH(parse_shard(text), Catch::Contains("expected I/N"));
+        CHECK_THROWS_WITH(parse_shard(text), Catch::Matchers::ContainsSubstring("expected I/N"));
     }
 }
 

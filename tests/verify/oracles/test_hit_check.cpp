@@ -1,11 +1,11 @@
 /// The oracles are seen to fail on hits that were spoiled.
-#include <catch2/catch.hpp>
 #include <string>
 
 #include "emulation/host/pipeline.h"
 #include "reference/contract/wide_bvh.h"
 #include "reference/truth/tracers.h"
 #include "scenes/scenes.h"
+#include "tests/catch.h"
 #include "tests/small_parameters.h"
 #include "verify/capture/recording.h"
 #include "verify/oracles/hit_check.h"

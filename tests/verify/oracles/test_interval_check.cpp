@@ -1,11 +1,11 @@
 /// Rays that end or start where they hit: a closed interval is seen, and so is an open one.
-#include <catch2/catch.hpp>
 #include <cmath>
 
 #include "emulation/host/pipeline.h"
 #include "reference/contract/wide_bvh.h"
 #include "reference/truth/tracers.h"
 #include "scenes/scenes.h"
+#include "tests/catch.h"
 #include "tests/verify/capture_tools.h"
 #include "verify/oracles/interval_check.h"
 

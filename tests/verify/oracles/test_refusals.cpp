@@ -1,11 +1,11 @@
 /// What is spoiled is refused; and validators that believe too much or too little are seen.
-#include <catch2/catch.hpp>
 #include <set>
 #include <string>
 
 #include "reference/base/error.h"
 #include "scenes/probe.h"
 #include "scenes/scenes.h"
+#include "tests/catch.h"
 #include "verify/oracles/refusal_check.h"
 
 namespace scotty::verify::test {

@@ -2,11 +2,11 @@
 /// them.
 #include <sys/wait.h>
 
-#include <catch2/catch.hpp>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "reference/truth/tracers.h"
+#include "tests/catch.h"
 #include "tests/verify/capture_tools.h"
 #include "verify/capture/ray_file.h"
 #include "verify/oracles/ray_compare.h"
@@ -17,7 +17,7 @@ using namespace scotty;
 using namespace scotty::reference;
 using namespace scotty::verify;
 using namespace scotty::verify::test;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 
 /// Two parallel triangles at z = 0 and z = -1 that face +z.
 Scene two_triangles() {
@@ -51,7 +51,7 @@ TEST_CASE("trace: equal hits agree", "[verify][trace]") {
     CHECK(c.rays == 3);
     CHECK(c.agree == 3);
     CHECK(c.mismatches.empty());
-    CHECK_THAT(to_text(c), Contains("passed: 3 rays; 3 agree"));
+    CHECK_THAT(to_text(c), ContainsSubstring("passed: 3 rays; 3 agree"));
 }
 
 TEST_CASE("trace: a hit of ours that is wrong fails and is named with its ray", "[verify][trace]") {
@@ -65,7 +65,8 @@ TEST_CASE("trace: a hit of ours that is wrong fails and is named with its ray", 
     CHECK(c.agree == 2);
     REQUIRE(c.mismatches.size() == 1);
     CHECK(c.mismatches[0].ray == 1);
-    CHECK_THAT(to_text(c), Contains("FAILED") && Contains("ray 1: ours") && Contains("ours wrong"));
+    CHECK_THAT(to_text(c), ContainsSubstring("FAILED") && ContainsSubstring("ray 1: ours") &&
+                               ContainsSubstring("ours wrong"));
 }
 
 TEST_CASE("trace: a reference that is wrong is said to be, and does not fail us",
@@ -75,7 +76,7 @@ TEST_CASE("trace: a reference that is wrong is said to be, and does not fail us"
     const HitComparison c = compare_hits(two_triangles(), rays_down(), kRight, theirs);
     CHECK(c.passed());
     CHECK(c.theirs_wrong == 1);
-    CHECK_THAT(to_text(c), Contains("theirs wrong"));
+    CHECK_THAT(to_text(c), ContainsSubstring("theirs wrong"));
 }
 
 TEST_CASE("trace: of any-hit rays the answers are compared", "[verify][trace]") {
@@ -85,7 +86,7 @@ TEST_CASE("trace: of any-hit rays the answers are compared", "[verify][trace]") 
     ours[2].primitive = 1;
     const HitComparison c = compare_hits(two_triangles(), rays_down(true), ours, right);
     CHECK(c.ours_wrong == 1);
-    CHECK_THAT(to_text(c), Contains("ray 2: ours occluded, theirs free"));
+    CHECK_THAT(to_text(c), ContainsSubstring("ray 2: ours occluded, theirs free"));
 }
 
 struct Result {
@@ -125,7 +126,7 @@ TEST_CASE("command: trace reads rays, writes hits and compares them", "[verify][
     const Result ours = scotty_command(
         folder, "trace --scene spheres --rays a.ray -o ours.hit --compare a.ref --width 4");
     CHECK(ours.exit_code == 0);
-    CHECK_THAT(ours.out, Contains("passed: 200 rays"));
+    CHECK_THAT(ours.out, ContainsSubstring("passed: 200 rays"));
     CHECK(read_hits(folder / "ours.hit").size() == 200);
 
     std::string wrong = slurp(folder / "a.ref");
@@ -137,12 +138,12 @@ TEST_CASE("command: trace reads rays, writes hits and compares them", "[verify][
     const Result theirs =
         scotty_command(folder, "trace --scene spheres --rays a.ray --compare a.ref");
     CHECK(theirs.exit_code == 0);
-    CHECK_THAT(theirs.out, Contains("theirs wrong"));
+    CHECK_THAT(theirs.out, ContainsSubstring("theirs wrong"));
 
     spill(folder / "a.ray", slurp(folder / "a.ray").substr(0, 100));
     const Result broken = scotty_command(folder, "trace --scene spheres --rays a.ray");
     CHECK(broken.exit_code == 2);
-    CHECK_THAT(broken.err, Contains("a.ray") && Contains("cut short"));
+    CHECK_THAT(broken.err, ContainsSubstring("a.ray") && ContainsSubstring("cut short"));
 }
 
 TEST_CASE("command: capture, diff and replay have their exit codes", "[verify][capture][cli]") {
@@ -153,7 +154,7 @@ TEST_CASE("command: capture, diff and replay have their exit codes", "[verify][c
 
     const Result same = scotty_command(folder, "diff a b");
     CHECK(same.exit_code == 0);
-    CHECK_THAT(same.out, Contains("passed:") && Contains("merge_intersections"));
+    CHECK_THAT(same.out, ContainsSubstring("passed:") && ContainsSubstring("merge_intersections"));
     CHECK(scotty_command(folder, "diff a").exit_code == 0);
     CHECK(scotty_command(folder, "diff a --isolated --backend emulator").exit_code == 0);
     const Result json = scotty_command(folder, "diff a b --json");
@@ -162,7 +163,7 @@ TEST_CASE("command: capture, diff and replay have their exit codes", "[verify][c
 
     const Result none = scotty_command(folder, "diff a b --stages nothing");
     CHECK(none.exit_code == 2);
-    CHECK_THAT(none.err, Contains("no stage was compared"));
+    CHECK_THAT(none.err, ContainsSubstring("no stage was compared"));
     CHECK(scotty_command(folder, "diff a b --isolated").exit_code == 2);
     CHECK(scotty_command(folder, "diff a c").exit_code == 2);
     CHECK(scotty_command(folder, "replay a --stage nothing").exit_code == 2);
@@ -175,8 +176,9 @@ TEST_CASE("command: capture, diff and replay have their exit codes", "[verify][c
     });
     const Result differs = scotty_command(folder, "diff good bad");
     CHECK(differs.exit_code == 1);
-    CHECK_THAT(differs.out, Contains("first divergence: launch") && Contains("ray 3") &&
-                                Contains("scotty replay good --stage bounce0/scene_rays"));
+    CHECK_THAT(differs.out, ContainsSubstring("first divergence: launch") &&
+                                ContainsSubstring("ray 3") &&
+                                ContainsSubstring("scotty replay good --stage bounce0/scene_rays"));
     const Result replay = scotty_command(folder, "replay bad --stage bounce0/scene_rays --json");
     CHECK(replay.exit_code == 1);
     CHECK(nlohmann::json::parse(replay.out)["first_divergence"]["buffer"] == "depth");

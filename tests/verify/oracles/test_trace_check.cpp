@@ -1,5 +1,4 @@
 /// Rays from elsewhere: a right tracer passes, and each way to be wrong is found.
-#include <catch2/catch.hpp>
 #include <cmath>
 #include <set>
 
@@ -7,6 +6,7 @@
 #include "reference/contract/wide_bvh.h"
 #include "reference/truth/tracers.h"
 #include "scenes/scenes.h"
+#include "tests/catch.h"
 #include "tests/verify/capture_tools.h"
 #include "verify/oracles/trace_check.h"
 

@@ -1,7 +1,7 @@
 /// The examples of RFC 4648, section 10, and bytes that are no text.
-#include <catch2/catch.hpp>
 #include <string>
 
+#include "tests/catch.h"
 #include "verify/pages/base64.h"
 
 namespace {

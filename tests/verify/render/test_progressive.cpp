@@ -1,11 +1,11 @@
 /// A picture that is refined pass by pass is the picture, at every pass.
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <csignal>
 #include <cstring>
 #include <utility>
 #include <vector>
 
+#include "tests/catch.h"
 #include "tests/verify/capture_tools.h"
 #include "verify/base/stop_signal.h"
 #include "verify/render/progressive.h"

@@ -15,7 +15,7 @@
 namespace scotty::verify::test {
 namespace {
 
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 
 constexpr const char* kPicture = "render spheres --size 16x12 --bounces 1 --light-samples 1 ";
 
@@ -89,7 +89,7 @@ TEST_CASE("render --progressive: the same file as without", "[verify][cli][progr
             scotty_here(kPicture + std::string(options) + " --progressive -o " + b);
         CHECK(progressive.exit_code == 0);
         CHECK(progressive.out.empty());
-        CHECK_THAT(progressive.err, !Contains("warning"));
+        CHECK_THAT(progressive.err, !ContainsSubstring("warning"));
         CHECK(same_picture(a, b));
         CHECK(scotty_here(kPicture + std::string(options) +
                           " --progressive --samples-per-pass 2 -o " + b)
@@ -108,7 +108,7 @@ TEST_CASE("render --display: the viewer ends up with the picture in the file",
                                           " --display " + server.address());
         server.wait();
         CHECK(result.exit_code == 0);
-        CHECK_THAT(result.err, !Contains("warning"));
+        CHECK_THAT(result.err, !ContainsSubstring("warning"));
         CHECK(server.fault() == "");
         CHECK(server.packets() >= 1 + 2);  // created, the first pass, the whole
         REQUIRE(server.images().size() == 1);
@@ -127,8 +127,8 @@ TEST_CASE("render --display: a viewer that is not there, or leaves, costs a warn
         const Result result =
             scotty_here(kPicture + std::string("--spp 6 -o ") + file + " --display " + address);
         CHECK(result.exit_code == 0);
-        CHECK_THAT(result.err, Contains("warning: the display " + address) &&
-                                   Contains("rendering goes on without it"));
+        CHECK_THAT(result.err, ContainsSubstring("warning: the display " + address) &&
+                                   ContainsSubstring("rendering goes on without it"));
         CHECK(same_picture(file, plain));
     };
     std::string nobody;

@@ -1,10 +1,10 @@
 /// The report page in a real browser, by the page's test of itself (verify/pages/web/selftest.js).
-#include <catch2/catch.hpp>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "reference/base/write_file.h"
+#include "tests/catch.h"
 #include "tests/verify/browser_tools.h"
 #include "tests/verify/capture_tools.h"
 #include "tests/verify/report_pages.h"
@@ -13,7 +13,7 @@ namespace {
 
 using namespace scotty::verify;
 using namespace scotty::verify::test;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 
 TEST_CASE("page: in a browser it passes its own test, which sees every planted fault",
           "[verify][page][browser]") {
@@ -54,10 +54,11 @@ TEST_CASE("page: in a browser it passes its own test, which sees every planted f
         {"script", with("class Viewer {", "class Viewer {{")},
     });
     for (const char* good : {"passing", "failing", "odd"}) {
-        CHECK_THAT(found.at(good), Contains("selftest: passed"));
+        CHECK_THAT(found.at(good), ContainsSubstring("selftest: passed"));
     }
     const auto fails = [&](const char* page, const char* because) {
-        CHECK_THAT(found.at(page), Contains("selftest: FAILED") && Contains(because));
+        CHECK_THAT(found.at(page),
+                   ContainsSubstring("selftest: FAILED") && ContainsSubstring(because));
     };
     fails("value", "spheres: checksum of new: expected");
     fails("number", "spheres: pixel 20, 50 channel 2, new as embedded: expected 1.5, found 1");

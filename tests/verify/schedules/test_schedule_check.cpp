@@ -1,11 +1,11 @@
 /// Runs under several schedules: a planted dependence on the order, and a planted nondeterminism.
-#include <catch2/catch.hpp>
 #include <vector>
 
 #include "emulation/device/device.h"
 #include "emulation/host/pipeline.h"
 #include "reference/contract/wide_bvh.h"
 #include "scenes/scenes.h"
+#include "tests/catch.h"
 #include "verify/schedules/schedule_check.h"
 #include "verify/sweep/verify.h"
 
@@ -87,8 +87,9 @@ TEST_CASE("schedules: a run that fails or ends early is told with its schedule",
     REQUIRE(failures.size() == 1);
     CHECK(failures[0].invariant == "error");
     CHECK(failures[0].stage == "primary_rays");
-    CHECK_THAT(failures[0].sentence, Catch::Matchers::Contains("schedule reversed") &&
-                                         Catch::Matchers::Contains("the queue overflowed"));
+    CHECK_THAT(failures[0].sentence,
+               Catch::Matchers::ContainsSubstring("schedule reversed") &&
+                   Catch::Matchers::ContainsSubstring("the queue overflowed"));
 }
 
 TEST_CASE("schedules: the pipeline is the same in all of them, retries and early-outs included",
@@ -111,7 +112,7 @@ TEST_CASE("schedules: the pipeline is the same in all of them, retries and early
             INFO(backend << ": " << c.label);
             CHECK(c.failures.empty());
             CHECK(c.schedules == 6);
-            CHECK_THAT(c.replay, Catch::Matchers::Contains("--schedules 6"));
+            CHECK_THAT(c.replay, Catch::Matchers::ContainsSubstring("--schedules 6"));
         }
     }
 }

@@ -1,12 +1,12 @@
 #include <rapidcheck/catch.h>
 
 #include <algorithm>
-#include <catch2/catch.hpp>
 #include <map>
 #include <set>
 #include <vector>
 
 #include "reference/base/error.h"
+#include "tests/catch.h"
 #include "verify/sweep/configurations.h"
 #include "verify/sweep/covering_array.h"
 
@@ -14,7 +14,7 @@ namespace {
 
 using namespace scotty::verify;
 using namespace scotty::reference;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 
 TEST_CASE("covering rows: every pair of values of any factors stands in some row",
           "[verify][configurations]") {
@@ -113,7 +113,7 @@ TEST_CASE("configurations: with --all, every combination", "[verify][configurati
 TEST_CASE("configurations: a value that no pipeline takes is refused", "[verify][configurations]") {
     ConfigurationFilter filter;
     filter.widths = {3};
-    CHECK_THROWS_WITH(configurations(PipelineParameters{}, filter), Contains("found 3"));
+    CHECK_THROWS_WITH(configurations(PipelineParameters{}, filter), ContainsSubstring("found 3"));
 }
 
 }  // namespace

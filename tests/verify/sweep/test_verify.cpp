@@ -1,6 +1,5 @@
 /// The verification as a whole: it passes on what is right, and on what is not it leads to the
 /// first launch, level, node, block and ray, with a command that shows it again.
-#include <catch2/catch.hpp>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -12,6 +11,7 @@
 #include "reference/base/error.h"
 #include "reference/base/write_file.h"
 #include "scenes/scenes.h"
+#include "tests/catch.h"
 #include "tests/small_parameters.h"
 #include "verify/report/report.h"
 #include "verify/sweep/verify.h"
@@ -20,7 +20,7 @@ namespace {
 
 using namespace scotty;
 using namespace scotty::reference;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 using verify::Report;
 using verify::SceneReport;
 using verify::VerifySettings;
@@ -121,11 +121,11 @@ TEST_CASE("verify: a lost ray leads to its launch, level, node, block and ray", 
     CHECK(first.block != kNotApplicable);
     CHECK(first.ray < 13u * 7);
     CHECK_THAT(failures.front().replay,
-               Contains("scotty verify 'spheres' --size 13x7 --spp 1 --bounces 1") &&
-                   Contains("--width 4 ") && Contains("--early-out level") &&
-                   Contains("--stage 'bounce0/level1/intersect'"));
-    CHECK_THAT(table(report), Contains("FAILED") && Contains("first failure") &&
-                                  Contains("launch 5 bounce0/level1/intersect"));
+               ContainsSubstring("scotty verify 'spheres' --size 13x7 --spp 1 --bounces 1") &&
+                   ContainsSubstring("--width 4 ") && ContainsSubstring("--early-out level") &&
+                   ContainsSubstring("--stage 'bounce0/level1/intersect'"));
+    CHECK_THAT(table(report), ContainsSubstring("FAILED") && ContainsSubstring("first failure") &&
+                                  ContainsSubstring("launch 5 bounce0/level1/intersect"));
     CHECK_FALSE(to_json(report)["passed"].get<bool>());
     CHECK(to_json(report)["failures"][0]["ray"] == first.ray);
 }
@@ -136,7 +136,7 @@ TEST_CASE("verify: a failure of the baseline leads before all others", "[verify]
     const SceneReport scene = verify_scene(scenes::load_scene("cornell"), settings);
     const auto failures = placed_failures(report_of(scene));
     REQUIRE_FALSE(failures.empty());
-    CHECK_THAT(failures.front().configuration, Contains("baseline"));
+    CHECK_THAT(failures.front().configuration, ContainsSubstring("baseline"));
 }
 
 TEST_CASE("verify: radiance that depends on a configuration is found by the comparison",
@@ -191,8 +191,9 @@ TEST_CASE("report: JUnit counts cases and carries failures, HTML stands alone",
                           .attribute("type")
                           .value()) == "required-present");
     const std::string html = to_html(report);
-    CHECK_THAT(html, Contains("FAILED") && Contains("bounce0/level1/intersect"));
-    CHECK_THAT(html, !Contains("http:") && !Contains("https:") && !Contains("src="));
+    CHECK_THAT(html, ContainsSubstring("FAILED") && ContainsSubstring("bounce0/level1/intersect"));
+    CHECK_THAT(html, !ContainsSubstring("http:") && !ContainsSubstring("https:") &&
+                         !ContainsSubstring("src="));
 }
 
 TEST_CASE("report: a file that cannot be written is named, and none is left half-written",
@@ -202,7 +203,8 @@ TEST_CASE("report: a file that cannot be written is named, and none is left half
     const std::string path = (folder / "deep" / "verify.json").string();
     reference::write_file(path, "{}\n");
     CHECK(std::filesystem::file_size(path) == 3);
-    CHECK_THROWS_WITH(reference::write_file(path + "/inside", "x"), Contains("verify.json/inside"));
+    CHECK_THROWS_WITH(reference::write_file(path + "/inside", "x"),
+                      ContainsSubstring("verify.json/inside"));
     CHECK(std::distance(std::filesystem::directory_iterator(folder / "deep"), {}) == 1);
     std::filesystem::remove_all(folder);
 }
@@ -224,7 +226,7 @@ TEST_CASE("verify: the first failure is told at once, once, and --fail-fast ends
     CHECK(told[0].scene == "cornell");
     CHECK(told[0].configuration == whole.configurations[1].label);
     CHECK(told[0].failure.stage == "bounce0/level0/intersect_root");
-    CHECK_THAT(told[0].replay, Contains("--stage 'bounce0/level0/intersect_root'"));
+    CHECK_THAT(told[0].replay, ContainsSubstring("--stage 'bounce0/level0/intersect_root'"));
 
     told.clear();
     settings.fail_fast = true;
