@@ -122,18 +122,7 @@ void add_capture_command(CLI::App& app, Action& action) {
                       "run nothing: write scene, BVH and parameters");
     add_backend_options(*command, options->backend, "emulator, simt or cuda: who runs the pipeline",
                         true);
-    command
-        ->add_option_function<std::string>(
-            "--filter",
-            [options](const std::string& word) {
-                options->parameters.filter = reference::parse_filter(word);
-            },
-            "smooth the image at the end [none]")
-        ->type_name("none|gaussian|bilateral|median");
-    command
-        ->add_option("--filter-threshold", options->parameters.filter_threshold,
-                     "a filter is applied only below so many samples a pixel")
-        ->capture_default_str();
+    add_image_filter_options(*command, options->parameters);
     add_thread_option(*command, options->threads);
     add_picture_options(*command, options->parameters);
     add_pipeline_options(*command, options->parameters);

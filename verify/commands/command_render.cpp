@@ -192,18 +192,7 @@ void add_render_command(CLI::App& app, Action& action) {
                      "show the image in the viewer tev, running there (port 14158 unless given); "
                      "implies --progressive")
         ->type_name("HOST:PORT");
-    command
-        ->add_option_function<std::string>(
-            "--filter",
-            [options](const std::string& word) {
-                options->parameters.filter = reference::parse_filter(word);
-            },
-            "smooth a noisy image [none]")
-        ->type_name("none|gaussian|bilateral|median");
-    command
-        ->add_option("--filter-threshold", options->parameters.filter_threshold,
-                     "a filter is applied only below so many samples a pixel")
-        ->capture_default_str();
+    add_image_filter_options(*command, options->parameters);
     add_thread_option(*command, options->threads);
     add_picture_options(*command, options->parameters);
     add_pipeline_options(*command, options->parameters, kBackendDefaults);

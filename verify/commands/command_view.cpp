@@ -100,18 +100,7 @@ void add_view_command(CLI::App& app, Action& action) {
                      "frames a second for which a moving picture gives up resolution")
         ->check(CLI::Range(1.0, 240.0))
         ->capture_default_str();
-    command
-        ->add_option_function<std::string>(
-            "--filter",
-            [options](const std::string& word) {
-                options->state.parameters.filter = reference::parse_filter(word);
-            },
-            "smooth while samples are few [median]")
-        ->type_name("none|gaussian|bilateral|median");
-    command
-        ->add_option("--filter-threshold", state.parameters.filter_threshold,
-                     "a filter is applied only below so many samples a pixel")
-        ->capture_default_str();
+    add_image_filter_options(*command, state.parameters);
     add_thread_option(*command, options->options.loop.threads);
     add_picture_options(*command, state.parameters);
     add_pipeline_options(*command, state.parameters, kBackendDefaults);

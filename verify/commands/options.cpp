@@ -134,6 +134,13 @@ void add_pass_option(CLI::App& command, PipelineParameters& p) {
     add_parameter(command, p, reference::parameter("samples_per_pass"), kPipeline);
 }
 
+void add_image_filter_options(CLI::App& command, PipelineParameters& p) {
+    using reference::parameter;
+    for (const auto* info : {&parameter("filter"), &parameter("filter_threshold")}) {
+        add_parameter(command, p, *info, kPicture);
+    }
+}
+
 void add_arithmetic_option(CLI::App& command, PipelineParameters& p) {
     add_parameter(command, p, reference::parameter("arithmetic"), kPipeline);
 }

@@ -27,6 +27,9 @@ void add_pipeline_options(CLI::App& command, reference::PipelineParameters& para
 /// pipeline_options() print.
 void add_pass_option(CLI::App& command, reference::PipelineParameters& parameters);
 
+/// --filter and --filter-threshold, where an image is shown or kept.
+void add_image_filter_options(CLI::App& command, reference::PipelineParameters& parameters);
+
 /// --arithmetic, where the back end can be chosen.
 void add_arithmetic_option(CLI::App& command, reference::PipelineParameters& parameters);
 
