@@ -71,13 +71,15 @@ NoisyPair::NoisyPair(const MeasuredImage& image, const MeasuredImage& golden)
       rounding_(rounding_share(paths_of(image))) {}
 
 /// Satterthwaite's degrees of freedom of a sum of independent estimates that have the same each.
+/// Estimates of zero are equal ones: that a few samples are alike says little of a pixel's noise.
 double NoisyPair::Sums::degrees_of_freedom(const Side& side) const {
-    if (!(squared_variance > 0.0)) return kUnbounded;
+    if (!(squared_variance > 0.0)) return side.degrees_of_freedom * pixels;
     return side.degrees_of_freedom * variance * variance / squared_variance;
 }
 
 NoisyPair::Sums NoisyPair::sums(const Side& side, const Region& region, std::size_t channel) {
     Sums sums;
+    sums.pixels = static_cast<double>(region.width) * region.height;
     for (std::uint32_t y = region.y; y < region.y + region.height; ++y) {
         for (std::uint32_t x = region.x; x < region.x + region.width; ++x) {
             const std::size_t pixel = std::size_t{y} * side.image->width + x;
@@ -109,10 +111,9 @@ NoisyPair::Noise NoisyPair::noise_of_difference(const Sums& image, const Sums& g
 RegionTest NoisyPair::test(const Region& region, std::size_t channel) const {
     const Sums image = sums(image_, region, channel);
     const Sums golden = sums(golden_, region, channel);
-    const double pixels = static_cast<double>(region.width) * region.height;
     RegionTest test;
-    test.image = image.value / pixels;
-    test.golden = golden.value / pixels;
+    test.image = image.value / image.pixels;
+    test.golden = golden.value / golden.pixels;
     const Noise noise = noise_of_difference(image, golden);
     test.degrees_of_freedom = noise.degrees_of_freedom;
     const double difference = image.value - golden.value;

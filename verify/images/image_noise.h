@@ -50,6 +50,7 @@ class NoisyPair {
     /// Sums over the region, not means.
     struct Sums {
         double value = 0.0, variance = 0.0, squared_variance = 0.0;
+        double pixels = 0.0;
         double degrees_of_freedom(const Side& side) const;
     };
     static Side side_of(const MeasuredImage& image);

@@ -225,6 +225,25 @@ TEST_CASE("image gates: a calmer golden image does not lend its certainty to few
     CHECK(verdict.passed());
 }
 
+TEST_CASE("image gates: a few samples that are alike by chance are no certainty",
+          "[verify][image][gates]") {
+    // Each sample is 0 or bright; the golden image's estimator is far calmer.
+    const MeasuredImage reference = flat(0.17, 1e-7, 4096);
+    const auto image_of = [](std::uint64_t samples, std::uint32_t dark_pixels) {
+        MeasuredImage image = flat(0.17, 0.03 / static_cast<double>(samples), samples);
+        for (std::uint32_t i = 0; i < dark_pixels; ++i) {
+            const std::uint32_t pixel = i % 8 + i / 8 * image.width;  // of the first tile
+            image.mean[pixel] = {0.0, 0.0, 0.0};
+            image.variance[pixel] = {0.0, 0.0, 0.0};
+        }
+        return image;
+    };
+    const GateSettings settings{kFalseAlarm, true};
+    CHECK_FALSE(fails(judge_image(image_of(4, 1), reference, settings), Gate::pixel));
+    CHECK(fails(judge_image(image_of(64, 1), reference, settings), Gate::pixel));
+    CHECK(fails(judge_image(image_of(4, 64), reference, settings), Gate::tile));
+}
+
 TEST_CASE("image gates: a variance that is missing is not guessed from the other image's",
           "[verify][image][gates]") {
     MeasuredImage image = synthetic_render(settings_of(4));
