@@ -15,10 +15,12 @@
 #include <vector>
 
 #include "reference/base/error.h"
+#include "reference/base/write_file.h"
 #include "scenes/scenes.h"
 #include "verify/base/terminal.h"
 #include "verify/commands/completion.h"
 #include "verify/commands/help.h"
+#include "verify/commands/options.h"
 #include "verify/mutants/judge.h"
 
 #ifndef SCOTTY_VERSION
@@ -180,6 +182,7 @@ std::variant<Action, int> read_command_line(int argc, char** argv) {
         words.back() = "--help";
     }
     try {
+        words = json_words(std::move(words));
         std::vector<std::string> last_first(words.rbegin(), words.rend());
         app.parse(std::move(last_first));
     } catch (const CLI::ParseError& error) {
@@ -194,6 +197,12 @@ std::variant<Action, int> read_command_line(int argc, char** argv) {
 
 void print_table(const std::string& text) {
     print_result(has_color(STDOUT_FILENO) ? colored_verdicts(text) : text);
+}
+
+void print_result(const JsonOutput& output, const std::string& json, const std::string& text) {
+    if (output.in_place()) return print_result(json);
+    if (!output.file.empty()) reference::write_file(output.file, json + "\n");
+    print_table(text);
 }
 
 void print_result(const std::string& text) {

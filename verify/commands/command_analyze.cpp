@@ -30,7 +30,7 @@ struct AnalyzeOptions {
     AnalysisSettings settings;
     std::vector<std::string> from;
     std::string directory = "analysis";
-    bool json = false;
+    JsonOutput json;
 };
 
 void write_json(const AnalyzeOptions& options, const std::vector<AnalysisRun>& runs) {
@@ -54,7 +54,7 @@ void write_all(const AnalyzeOptions& options, const std::vector<AnalysisRun>& ru
 }
 
 void print(const AnalyzeOptions& options, const std::vector<AnalysisRun>& runs) {
-    print_result(options.json ? to_json(runs).dump(1) : analysis_text(runs));
+    print_result(options.json, to_json(runs).dump(1), analysis_text(runs));
 }
 
 int draw_files(const AnalyzeOptions& options) {
@@ -121,7 +121,7 @@ void add_choices(CLI::App& command, AnalyzeOptions& options) {
         ->type_name("DIR")
         ->check(output_folder())
         ->capture_default_str();
-    command.add_flag("--json", options.json, "print the JSON in place of the tables");
+    add_json_option(command, options.json);
     command.add_flag("--quick", settings.quick, "small pictures: shows that it works, no more");
 }
 

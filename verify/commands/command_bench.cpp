@@ -32,7 +32,7 @@ namespace {
 struct BenchOptions {
     std::string what;
     std::string scene = "coil";
-    std::string json;
+    JsonOutput json;
     BenchSettings settings;
     GateBenchSettings gates;
 };
@@ -44,10 +44,8 @@ int print_report(const BenchOptions& options, const MachineDescription& machine,
     progress.clear();
     nlohmann::json json = to_json(report);
     json["machine"] = to_json(machine);
-    if (!options.json.empty() && options.json != "-")
-        reference::write_file(options.json, json.dump(2) + "\n");
-    print_result(options.json == "-" ? json.dump(2)
-                                     : table(report) + "\nmachine: " + one_line(machine) + "\n");
+    print_result(options.json, json.dump(2),
+                 table(report) + "\nmachine: " + one_line(machine) + "\n");
     return kExitPassed;
 }
 
@@ -172,11 +170,7 @@ void add_bench_command(CLI::App& app, Action& action) {
         ->check(CLI::IsMember({"emulator", "simt", "embree", "cuda", "check", "gates"}));
     command->add_option("scene", options->scene, "a built-in scene (scotty list) or a file")
         ->capture_default_str();
-    command->add_option("--json", options->json, "write the figures as JSON; - is standard output")
-        ->type_name("FILE")
-        ->check(output_file())
-        ->expected(0, 1)
-        ->default_str("-");
+    add_json_option(*command, options->json);
     command->add_option("--repeats", options->settings.repeats, "measurements; the median counts")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();

@@ -8,6 +8,7 @@
 #include "emulation/execution/schedule.h"
 #include "reference/base/error.h"
 #include "verify/commands/command.h"
+#include "verify/commands/options.h"
 #include "verify/kernel_check/kernel_check.h"
 
 namespace scotty::verify {
@@ -30,7 +31,7 @@ struct Options {
     std::size_t schedules = 1;
     std::string schedule;
     std::string junit;
-    bool json = false;
+    JsonOutput json;
 };
 
 bool is_source(const std::string& word) {
@@ -62,19 +63,15 @@ int run(Options& options) {
         file << to_junit(report);
         if (!file) throw reference::Error::bad_input(options.junit, "cannot be written");
     }
-    if (options.json) {
-        print_result(to_json(report).dump(2));
-    } else {
-        std::string text = report.text;
-        text += fmt::format("{}: {}, {} finding{} in {} schedule{}, {:.1f} s\n", report.name,
-                            report.failed ? "FAILED" : "passed", report.findings.size(),
-                            report.findings.size() == 1 ? "" : "s", report.schedules.size(),
-                            report.schedules.size() == 1 ? "" : "s", report.seconds);
-        if (report.exit_code != 0) {
-            text += fmt::format("the program itself ended with exit code {}\n", report.exit_code);
-        }
-        print_table(text);
+    std::string text = report.text;
+    text += fmt::format("{}: {}, {} finding{} in {} schedule{}, {:.1f} s\n", report.name,
+                        report.failed ? "FAILED" : "passed", report.findings.size(),
+                        report.findings.size() == 1 ? "" : "s", report.schedules.size(),
+                        report.schedules.size() == 1 ? "" : "s", report.seconds);
+    if (report.exit_code != 0) {
+        text += fmt::format("the program itself ended with exit code {}\n", report.exit_code);
     }
+    print_result(options.json, to_json(report).dump(2), text);
     return report.failed ? kExitFailed : kExitPassed;
 }
 
@@ -120,7 +117,7 @@ void add_check_command(CLI::App& app, Action& action, const std::vector<std::str
         ->check(CLI::Range(1, 100000));
     command->add_flag("--strict", options->check.strict,
                       "warnings fail, and so does a return before a barrier");
-    command->add_flag("--json", options->json, "as JSON");
+    add_json_option(*command, options->json);
     command->add_option("--junit", options->junit, "write JUnit to this file")->type_name("FILE");
     command->callback([&action, options] { action = [options] { return run(*options); }; });
 }

@@ -31,7 +31,7 @@ struct DiffCommand {
     std::vector<std::string> stages;
     bool isolated = false;
     reference::Arithmetic arithmetic = reference::Arithmetic::exact;
-    bool json = false;
+    JsonOutput json;
     std::size_t threads = 0;
     reference::PipelineParameters parameters;  ///< of --backends on a scene
     ImageDiffSettings image;
@@ -97,11 +97,7 @@ int run_image_diff(const DiffCommand& options) {
         reference::write_file(options.html, page_of(options, diff));
         spdlog::info("{}: the two images, to be looked into", options.html);
     }
-    if (options.json) {
-        print_result(to_json(diff).dump(2));
-    } else {
-        print_table(to_text(diff));
-    }
+    print_result(options.json, to_json(diff).dump(2), to_text(diff));
     if (!diff.verdict.not_judged.empty()) return kExitUsage;
     return diff.verdict.passed() ? kExitPassed : kExitFailed;
 }
@@ -203,7 +199,7 @@ int run_diff(const DiffCommand& options) {
                                "no stage was compared: --stages matches none, or the captures "
                                "hold none in common");
     }
-    print_result(options.json ? to_json(report).dump(2) : to_text(report));
+    print_result(options.json, to_json(report).dump(2), to_text(report));
     return report.passed() ? kExitPassed : kExitFailed;
 }
 
@@ -307,7 +303,7 @@ void add_diff_command(CLI::App& app, Action& action, const std::string& command_
         ->type_name("exact|fast");
     command->add_option("--stage,--stages", options->stages, "only stages of such names [all]")
         ->type_name("PATTERN");
-    command->add_flag("--json", options->json, "the result as JSON");
+    add_json_option(*command, options->json);
     add_image_options(*command, options);
     add_thread_option(*command, options->threads);
     add_picture_options(*command, options->parameters);

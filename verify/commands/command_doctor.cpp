@@ -5,6 +5,7 @@
 
 #include "verify/commands/command.h"
 #include "verify/commands/doctor.h"
+#include "verify/commands/options.h"
 
 namespace scotty::verify {
 
@@ -17,9 +18,9 @@ void add_doctor_command(CLI::App& app, Action& action) {
         "  scotty doctor --json\n"
         "  scotty doctor --require-gpu\n\n"
         "Exit code 3 where something is missing that everything needs. CUDA is not needed.");
-    auto json = std::make_shared<bool>(false);
+    auto json = std::make_shared<JsonOutput>();
     auto require_gpu = std::make_shared<bool>(false);
-    command->add_flag("--json", *json, "as JSON");
+    add_json_option(*command, *json);
     command->add_flag("--require-gpu", *require_gpu, "a CUDA device is something needed");
     command->callback([&action, json, require_gpu] {
         action = [json, require_gpu] {
@@ -27,7 +28,7 @@ void add_doctor_command(CLI::App& app, Action& action) {
             for (Finding& finding : findings) {
                 if (finding.name == "CUDA device") finding.required = *require_gpu;
             }
-            print_result(*json ? to_json(findings).dump(2) : table(findings));
+            print_result(*json, to_json(findings).dump(2), table(findings));
             const bool complete =
                 std::all_of(findings.begin(), findings.end(),
                             [](const Finding& f) { return f.found || !f.required; });

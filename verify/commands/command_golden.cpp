@@ -29,7 +29,7 @@ struct GoldenOptions {
     std::vector<std::string> names;
     std::string reason;
     std::size_t threads = 0;
-    bool json = false;
+    JsonOutput json;
     bool ledger_only = false;
 
     fs::path golden_folder() const {
@@ -47,31 +47,25 @@ int run_check(const GoldenOptions& options) {
     const fs::path folder = options.golden_folder();
     const std::vector<GoldenCase> cases = golden_cases();
     const std::vector<GoldenFinding> findings = check_golden(folder, cases, today());
-    if (options.json) {
-        nlohmann::ordered_json list = nlohmann::ordered_json::array();
-        for (const GoldenFinding& f : findings) {
-            list.push_back({{"problem", to_string(f.problem)},
-                            {"case", f.name},
-                            {"file", f.file},
-                            {"text", f.text},
-                            {"way_out", f.way_out}});
-        }
-        const nlohmann::ordered_json out{{"golden", folder.string()},
-                                         {"cases", cases.size()},
-                                         {"passed", findings.empty()},
-                                         {"findings", list}};
-        print_result(out.dump(2));
-    } else {
-        std::string text;
-        for (const GoldenFinding& f : findings) {
-            text += fmt::format("{:<9} {:<10} {}{}{}\n{:<20} way out: {}\n", to_string(f.problem),
-                                f.name, f.file, f.file.empty() ? "" : ": ", f.text, "", f.way_out);
-        }
-        text += findings.empty()
-                    ? fmt::format("{} golden cases, nothing is wrong with them\n", cases.size())
-                    : fmt::format("{} golden cases: {} findings\n", cases.size(), findings.size());
-        print_result(text);
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    std::string text;
+    for (const GoldenFinding& f : findings) {
+        list.push_back({{"problem", to_string(f.problem)},
+                        {"case", f.name},
+                        {"file", f.file},
+                        {"text", f.text},
+                        {"way_out", f.way_out}});
+        text += fmt::format("{:<9} {:<10} {}{}{}\n{:<20} way out: {}\n", to_string(f.problem),
+                            f.name, f.file, f.file.empty() ? "" : ": ", f.text, "", f.way_out);
     }
+    text += findings.empty()
+                ? fmt::format("{} golden cases, nothing is wrong with them\n", cases.size())
+                : fmt::format("{} golden cases: {} findings\n", cases.size(), findings.size());
+    const nlohmann::ordered_json out{{"golden", folder.string()},
+                                     {"cases", cases.size()},
+                                     {"passed", findings.empty()},
+                                     {"findings", list}};
+    print_result(options.json, out.dump(2), text);
     return findings.empty() ? kExitPassed : kExitFailed;
 }
 
@@ -158,7 +152,7 @@ int run_propose(const GoldenOptions& options) {
     reference::write_file((settings.output / "report.txt").string(), text);
     reference::write_file((settings.output / "report.json").string(), json.dump(2) + "\n");
     spdlog::info("{} holds the files and report.txt", settings.output.string());
-    print_result(options.json ? json.dump(2) : text);
+    print_result(options.json, json.dump(2), text);
     return kExitPassed;
 }
 
@@ -171,13 +165,10 @@ int run_approve(const GoldenOptions& options) {
     } else {
         approve_golden(find_case(cases, name), folder, options.output_folder(), options.reason);
     }
-    if (options.json) {
-        const nlohmann::ordered_json out{
-            {"case", name}, {"golden", folder.string()}, {"reason", options.reason}};
-        print_result(out.dump(2));
-    } else {
-        print_result(fmt::format("{}: approved; commit {}", name, folder.string()));
-    }
+    const nlohmann::ordered_json out{
+        {"case", name}, {"golden", folder.string()}, {"reason", options.reason}};
+    print_result(options.json, out.dump(2),
+                 fmt::format("{}: approved; commit {}", name, folder.string()));
     return kExitPassed;
 }
 
@@ -186,7 +177,7 @@ CLI::App* add_part(CLI::App& command, const std::string& name, const std::string
     CLI::App* part = command.add_subcommand(name, help);
     part->add_option("--golden", options->golden,
                      "the folder [golden/ above this program or the current folder]");
-    part->add_flag("--json", options->json, "the result as JSON");
+    add_json_option(*part, options->json);
     return part;
 }
 

@@ -44,10 +44,10 @@ void add_info_command(CLI::App& app, Action& action) {
         "                              camera, camera=fit frames everything, lights=none adds no\n"
         "                              light where the file has none");
     auto scene = std::make_shared<std::string>();
-    auto json = std::make_shared<bool>(false);
+    auto json = std::make_shared<JsonOutput>();
     command->add_option("scene", *scene, "a built-in scene (scotty list), a file, or a .scn")
         ->required();
-    command->add_flag("--json", *json, "as JSON");
+    add_json_option(*command, *json);
     auto tree = std::make_shared<bool>(false);
     command->add_flag("--tree", *tree,
                       "build the binary tree that all others are made from, and say what it costs "
@@ -63,7 +63,7 @@ void add_info_command(CLI::App& app, Action& action) {
                 object["tree"] = tree_json(figures);
                 text += tree_text(figures);
             }
-            print_result(*json ? object.dump(2) : text);
+            print_result(*json, object.dump(2), text);
             return kExitPassed;
         };
     });

@@ -6,6 +6,7 @@
 
 #include "scenes/scenes.h"
 #include "verify/commands/command.h"
+#include "verify/commands/options.h"
 
 namespace scotty::verify {
 
@@ -16,22 +17,16 @@ void add_list_command(CLI::App& app, Action& action) {
         "  scotty list\n"
         "  scotty list --json\n"
         "  scotty render blob:triangles=1000000 -o blob.png    a built-in with parameters");
-    auto json = std::make_shared<bool>(false);
-    command->add_flag("--json", *json, "as JSON");
+    auto json = std::make_shared<JsonOutput>();
+    add_json_option(*command, *json);
     command->callback([&action, json] {
         action = [json] {
-            if (*json) {
-                nlohmann::json scenes = nlohmann::json::array();
-                for (const scenes::BuiltIn& scene : scenes::built_in_scenes()) {
-                    scenes.push_back({{"name", scene.name},
-                                      {"parameters", scene.parameters},
-                                      {"description", scene.description}});
-                }
-                print_result(scenes.dump(2));
-                return kExitPassed;
-            }
+            nlohmann::json scenes = nlohmann::json::array();
             std::string text;
             for (const scenes::BuiltIn& scene : scenes::built_in_scenes()) {
+                scenes.push_back({{"name", scene.name},
+                                  {"parameters", scene.parameters},
+                                  {"description", scene.description}});
                 text += fmt::format("{:<10} {}\n", scene.name, scene.description);
                 if (!scene.parameters.empty())
                     text += fmt::format("{:<10} {}:{}\n", "", scene.name, scene.parameters);
@@ -42,7 +37,7 @@ void add_list_command(CLI::App& app, Action& action) {
                 "#camera=file   the file's own camera, #camera=fit one that frames everything\n"
                 "#lights=none   add no light where the file has none (or both: "
                 "#camera=fit,lights=none)\n";
-            print_result(text);
+            print_result(*json, scenes.dump(2), text);
             return kExitPassed;
         };
     });

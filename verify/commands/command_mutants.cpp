@@ -16,6 +16,7 @@
 #include "verify/base/progress.h"
 #include "verify/base/shard.h"
 #include "verify/commands/command.h"
+#include "verify/commands/options.h"
 #include "verify/mutants/judge.h"
 #include "verify/mutants/made_sweep.h"
 #include "verify/mutants/plant.h"
@@ -26,7 +27,8 @@ namespace {
 
 struct MutantsOptions {
     std::vector<std::string> names;
-    std::string json, shard;
+    std::string shard;
+    JsonOutput json;
     bool list = false;
     std::size_t threads = 0;
     unsigned limit = 120;
@@ -100,7 +102,7 @@ int run_mutants(const MutantsOptions& options) {
     if (options.made) {
         MadeSweep sweep = options.sweep;
         sweep.shard = options.shard;
-        sweep.json = options.json;
+        sweep.json = options.json.file;
         sweep.threads = options.threads;
         become_made_sweep(sweep);
     }
@@ -135,13 +137,7 @@ int run_mutants(const MutantsOptions& options) {
     }
     report.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const std::string json = to_json(report).dump(2) + "\n";
-    if (!options.json.empty() && options.json != "-") reference::write_file(options.json, json);
-    if (options.json == "-") {
-        print_result(json);
-    } else {
-        print_table(to_text(report));
-    }
+    print_result(options.json, to_json(report).dump(2), to_text(report));
     return report.passed() ? kExitPassed : kExitFailed;
 }
 
@@ -165,9 +161,7 @@ void add_mutants_command(CLI::App& app, Action& action) {
     auto options = std::make_shared<MutantsOptions>();
     command->add_option("names", options->names, "faults or hostile conditions; all by default");
     command->add_flag("--list", options->list, "say what there is, and run nothing");
-    command->add_option("--json", options->json, "write the result as JSON; - is standard output")
-        ->type_name("FILE")
-        ->check(output_file());
+    add_json_option(*command, options->json);
     add_shard_option(*command, options->shard);
     command->add_option("--limit", options->limit, "seconds that one of them may take")
         ->capture_default_str()

@@ -13,6 +13,7 @@
 #include "reference/base/write_file.h"
 #include "verify/base/output_path.h"
 #include "verify/commands/command.h"
+#include "verify/commands/options.h"
 #include "verify/queues/queues_json.h"
 #include "verify/queues/queues_page.h"
 #include "verify/queues/queues_trace.h"
@@ -32,7 +33,8 @@ struct QueuesCommand {
     std::string capture, other, stage, pixel, trace, html;
     std::optional<std::uint32_t> launch, level, node, ray;
     std::uint32_t batch = 0;
-    bool csv = false, json = false, all = false;
+    bool csv = false, all = false;
+    JsonOutput json;
 };
 
 class QueuesQuestion {
@@ -238,13 +240,19 @@ class QueuesQuestion {
     void answer_rays() const {
         Rays rays = asked_rays();
         const std::size_t all = rays.size();
-        const bool text = !options_.json && !options_.csv;
-        if (text && !options_.all && rays.size() > kHistories) rays.resize(kHistories);
-        const auto of_a = histories_of(queues_, rays);
+        const bool text = !options_.json.in_place() && !options_.csv;
+        const bool cut = text && !options_.all && rays.size() > kHistories;
+        if (cut && options_.json.file.empty()) rays.resize(kHistories);
+        auto of_a = histories_of(queues_, rays);
         std::vector<RayHistory> of_b;
         if (other_) of_b = histories_of(*other_, rays);
         const std::string title = "rays of " + options_.capture + against();
-        if (options_.json) return show_documents(title, of_a, of_b);
+        if (!options_.json.file.empty()) {
+            const std::string json = document(title, of_a, of_b);
+            if (!text) return print_result(json);
+            reference::write_file(options_.json.file, json + "\n");
+        }
+        if (cut) of_a.resize(kHistories);
         Table table;
         std::string story;
         for (std::size_t i = 0; i < of_a.size(); ++i) {
@@ -256,27 +264,30 @@ class QueuesQuestion {
             if (!other_) story += to_text(of_a[i]);
         }
         if (!text || other_) {
-            show(table);
+            print_result(text_of(table));
         } else {
             print_result(story);
         }
-        if (text && rays.size() < all) {
-            print_result(fmt::format("... {} more rays; --all shows them", all - rays.size()));
+        if (text && of_a.size() < all) {
+            print_result(fmt::format("... {} more rays; --all shows them", all - of_a.size()));
         }
     }
 
-    static void show_documents(const std::string& title, const std::vector<RayHistory>& of_a,
-                               const std::vector<RayHistory>& of_b) {
+    static std::string document(const std::string& title, const std::vector<RayHistory>& of_a,
+                                const std::vector<RayHistory>& of_b) {
         nlohmann::ordered_json rays = nlohmann::ordered_json::array();
         for (std::size_t i = 0; i < of_a.size(); ++i) {
             rays.push_back(of_b.empty() ? to_json(of_a[i]) : to_json(of_a[i], of_b[i]));
         }
-        print_result(nlohmann::ordered_json{{"title", title}, {"rays", std::move(rays)}}.dump(2));
+        return nlohmann::ordered_json{{"title", title}, {"rays", std::move(rays)}}.dump(2);
     }
 
     void show(const Table& table) const {
-        if (options_.json) return print_result(to_json(table).dump(2));
-        print_result(options_.csv ? to_csv(table) : to_text(table, options_.all ? 0 : kRows));
+        print_result(options_.json, to_json(table).dump(2), text_of(table));
+    }
+
+    std::string text_of(const Table& table) const {
+        return options_.csv ? to_csv(table) : to_text(table, options_.all ? 0 : kRows);
     }
 
     const QueuesCommand& options_;
@@ -329,7 +340,8 @@ void add_queues_command(CLI::App& app, Action& action) {
         ->type_name("FILE")
         ->check(output_file());
     auto* csv = command->add_flag("--csv", options->csv, "the rows as CSV");
-    command->add_flag("--json", options->json, "the rows as JSON")->excludes(csv);
+    add_json_option(*command, options->json);
+    command->get_option("--json")->excludes(csv);
     command->add_flag("--all", options->all, "all rows and rays, however many there are");
     command->callback([&action, options] {
         action = [options] {

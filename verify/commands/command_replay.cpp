@@ -18,7 +18,7 @@ namespace {
 struct ReplayCommand {
     std::string capture, stage;
     BackendChoice backend;
-    bool json = false;
+    JsonOutput json;
     std::size_t threads = 0;
     bool interleave = false;
     std::uint32_t preemptions = 0;
@@ -47,7 +47,7 @@ int run_orders(const ReplayCommand& options) {
     become_checked_program();
     const Capture capture = Capture::open(options.capture);
     const auto say = [&](const auto& report, bool passed) {
-        print_result(options.json ? to_json(report).dump(2) : to_text(report));
+        print_result(options.json, to_json(report).dump(2), to_text(report));
         return passed ? kExitPassed : kExitFailed;
     };
     if (!options.backend.interleaving.empty()) {
@@ -65,7 +65,7 @@ int run_replay(const ReplayCommand& options) {
     const DiffReport report =
         replay_stage(capture, options.stage,
                      chosen_backend(options.backend, options.threads, capture.header().parameters));
-    print_result(options.json ? to_json(report).dump(2) : to_text_of_stage(report));
+    print_result(options.json, to_json(report).dump(2), to_text_of_stage(report));
     return report.passed() ? kExitPassed : kExitFailed;
 }
 
@@ -87,7 +87,7 @@ void add_replay_command(CLI::App& app, Action& action) {
     command->add_option("--stage", options->stage, "the stage's whole name")->required();
     add_backend_options(*command, options->backend, "emulator, simt or cuda: who runs the stage",
                         true);
-    command->add_flag("--json", options->json, "the result as JSON");
+    add_json_option(*command, options->json);
     auto* interleave = command->add_flag(
         "--interleave", options->interleave,
         "with simt: every order in which the blocks can touch memory that they share; the outcome "

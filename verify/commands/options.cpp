@@ -12,6 +12,7 @@
 #include "scenes/scenes.h"
 #include "verify/backends/checked_program.h"
 #include "verify/backends/simt/simt_pipeline.h"
+#include "verify/base/output_path.h"
 #include "verify/capture/ray_file.h"
 #include "verify/mutants/plant.h"
 
@@ -143,6 +144,24 @@ void add_image_filter_options(CLI::App& command, PipelineParameters& p) {
 
 void add_arithmetic_option(CLI::App& command, PipelineParameters& p) {
     add_parameter(command, p, reference::parameter("arithmetic"), kPipeline);
+}
+
+void add_json_option(CLI::App& command, JsonOutput& output) {
+    command
+        .add_option("--json", output.file,
+                    "write the result as JSON, to FILE.json or in place of what is printed")
+        ->type_name("[FILE]")
+        ->check(output_file());
+}
+
+std::vector<std::string> json_words(std::vector<std::string> words) {
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        if (words[i] != "--json") continue;
+        const bool named =
+            i + 1 < words.size() && (words[i + 1] == "-" || words[i + 1].ends_with(".json"));
+        if (!named) words[i] = "--json=-";
+    }
+    return words;
 }
 
 void add_filter_options(CLI::App& command, ConfigurationFilter& filter) {

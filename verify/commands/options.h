@@ -36,6 +36,21 @@ void add_arithmetic_option(CLI::App& command, reference::PipelineParameters& par
 /// The same options (and --schedule) as comma-separated lists of values to select by.
 void add_filter_options(CLI::App& command, ConfigurationFilter& filter);
 
+/// Where `--json [FILE]` puts a result.
+struct JsonOutput {
+    std::string file;  ///< empty: nowhere; "-": standard output, in place of the text
+
+    bool in_place() const { return file == "-"; }
+};
+/// A word behind --json is its FILE where it is "-" or ends in ".json"; other names stand in one
+/// word, --json=NAME (json_words()).
+void add_json_option(CLI::App& command, JsonOutput& output);
+/// Words of a command line in which every --json has its value: "-" where none was given.
+std::vector<std::string> json_words(std::vector<std::string> words);
+/// Prints the text, or the JSON in its place; writes the JSON to a file where one was named. Throws
+/// bad_input where it cannot be written.
+void print_result(const JsonOutput& output, const std::string& json, const std::string& text);
+
 /// A built-in scene, a file that scenes/ loads, or a .scn of bare triangles
 /// (verify/capture/ray_file.h).
 reference::Scene load_scene_argument(const std::string& scene);

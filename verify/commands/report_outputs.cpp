@@ -7,9 +7,7 @@
 namespace scotty::verify {
 
 void add_report_outputs(CLI::App& command, ReportOutputs& outputs) {
-    command.add_option("--json", outputs.json, "write the report as JSON; - is standard output")
-        ->type_name("FILE")
-        ->check(output_file());
+    add_json_option(command, outputs.json);
     command.add_option("--junit", outputs.junit, "write the report as JUnit XML")
         ->type_name("FILE")
         ->check(output_file());
@@ -20,14 +18,9 @@ void add_report_outputs(CLI::App& command, ReportOutputs& outputs) {
 
 void write_report(const ReportOutputs& outputs, const Report& report,
                   const nlohmann::json& as_json) {
-    const bool to_standard_output = outputs.json == "-";
-    if (!outputs.json.empty() && !to_standard_output) {
-        reference::write_file(outputs.json, as_json.dump(2) + "\n");
-    }
     if (!outputs.junit.empty()) reference::write_file(outputs.junit, to_junit(report));
     if (!outputs.html.empty()) reference::write_file(outputs.html, to_html(report));
-    if (to_standard_output) return print_result(as_json.dump(2));
-    print_table(table(report));
+    print_result(outputs.json, as_json.dump(2), table(report));
 }
 
 }  // namespace scotty::verify

@@ -5,13 +5,15 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "verify/commands/options.h"
 #include "verify/report/report.h"
 
 namespace scotty::verify {
 
-/// Empty: not asked for. `json` may be "-", standard output.
+/// Empty: not asked for.
 struct ReportOutputs {
-    std::string json, junit, html;
+    JsonOutput json;
+    std::string junit, html;
 };
 
 /// --json, --junit and --html.

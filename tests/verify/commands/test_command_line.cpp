@@ -11,6 +11,7 @@
 #include "tests/catch.h"
 #include "tests/verify/command_tools.h"
 #include "tests/verify/image_tools.h"
+#include "verify/commands/options.h"
 #include "verify/golden/golden.h"
 #include "verify/images/image_read.h"
 
@@ -29,6 +30,27 @@ constexpr const char* kQuick =
     " --size 9x5 --spp 1 --bounces 1 --light-samples 1 --threads 1 --width 8 --rays-per-block 64 "
     "--queue-levels 0 "
     "--schedule free";
+
+TEST_CASE("command: --json takes a file where one is named", "[verify][cli]") {
+    using scotty::verify::json_words;
+    using Words = std::vector<std::string>;
+    CHECK(json_words({"list", "--json"}) == Words{"list", "--json=-"});
+    CHECK(json_words({"diff", "--json", "a.exr", "b.exr"}) ==
+          Words{"diff", "--json=-", "a.exr", "b.exr"});
+    CHECK(json_words({"diff", "--json", "out.json", "a"}) ==
+          Words{"diff", "--json", "out.json", "a"});
+    CHECK(json_words({"diff", "--json", "-", "a"}) == Words{"diff", "--json", "-", "a"});
+
+    const Folder folder;
+    const std::string file = folder.file("list.json");
+    const auto both = run_scotty("list --json '" + file + "'");
+    CHECK(both.exit_code == 0);
+    CHECK_THAT(both.out, ContainsSubstring("empty Cornell box") && !ContainsSubstring("{"));
+    CHECK(slurp(file) == run_scotty("list --json").out);
+    const auto lost = run_scotty("list --json /nowhere/list.json");
+    CHECK(lost.exit_code == 2);
+    CHECK_THAT(lost.err, ContainsSubstring("/nowhere"));
+}
 
 TEST_CASE("command: help and version go to standard output and pass", "[verify][cli]") {
     for (const std::string command :
