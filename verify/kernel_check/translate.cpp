@@ -427,9 +427,10 @@ class Translator {
         for (const std::size_t i : names) {
             const std::string name(token(i).spelling);
             const char* const space = is_constant ? "constant" : is_managed ? "managed" : "device";
-            text.append(" static ::scotty_cuda::Variable scotty_variable_" + name + "_")
-                .append(std::to_string(next_++) + "(&" + name + ", sizeof(" + name + "), \"" + name)
-                .append(std::string("\", ::scotty_cuda::Space::") + space + ");");
+            text.append(" static ::scotty_cuda::Variable scotty_variable_").append(name);
+            text.append("_").append(std::to_string(next_++)).append("(&").append(name);
+            text.append(", sizeof(").append(name).append("), \"").append(name);
+            text.append("\", ::scotty_cuda::Space::").append(space).append(");");
         }
         insert_behind(end, text);
     }

@@ -1,4 +1,8 @@
+#if __has_include(<catch2/catch_all.hpp>)
+#include <catch2/catch_all.hpp>
+#else
 #include <catch2/catch.hpp>
+#endif
 
 #include <saxpy.h>
 #include <scotty/kernels.h>
@@ -20,7 +24,7 @@ TEST_CASE("what is out of bounds is found, and the next kernel runs") {
     int* data = nullptr;
     cudaMalloc(&data, 32 * sizeof(int));
     beyond<<<1, 64>>>(data);
-    CHECK_THAT(scotty::kernels::take_findings(), Catch::Matchers::Contains("out of bounds"));
+    CHECK(scotty::kernels::take_findings().find("out of bounds") == 0);
     beyond<<<1, 32>>>(data);
     CHECK(scotty::kernels::take_findings() == "");
     CHECK(cudaGetLastError() == cudaSuccess);

@@ -1,10 +1,10 @@
 /// capture_layout.h against the libraries that it does without: its hash, its JSON.
 #include <xxhash.h>
 
-#include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "tests/catch.h"
 #include "tests/temporary_folder.h"
 #include "verify/capture/include/scotty/capture_layout.h"
 
