@@ -26,4 +26,15 @@ fi
 grep -E 'tests passed' "$out/log"
 "$cmake" --build "$out/build" >"$out/log" 2>&1
 grep -q 'Building CUDA text' "$out/log" && fail "a second build compiles again:" "$(cat "$out/log")"
-exit 0
+
+# The project that docs/your-own-code.md shows, by the command that it shows.
+[[ $how == installed ]] || exit 0
+page=$source/docs/your-own-code.md
+mkdir "$out/page"
+for file in scale.cu test_scale.cu CMakeLists.txt; do
+    awk -v file="$file" '/^```/ { inside = $2 == file; next } inside' "$page" >"$out/page/$file"
+    [[ -s $out/page/$file ]] || fail "the page shows no $file"
+done
+command=$(grep -E '^cmake -S \. -B build' "$page") || fail "the page does not say how to build"
+(cd "$out/page" && HOME=$out && ln -s moved "$out/scotty" && eval "$command") >"$out/log" 2>&1 || fail "$command:" "$(tail -n 40 "$out/log")"
+grep -E 'tests passed' "$out/log"
