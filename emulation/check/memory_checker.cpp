@@ -356,6 +356,25 @@ template void MemoryChecker::check_shared<Access::relaxed_read>(std::uintptr_t, 
 template void MemoryChecker::check_shared<Access::atomic>(std::uintptr_t, std::size_t,
                                                           std::uint32_t, const Context&);
 
+void MemoryChecker::end_block(const Context& running) {
+    const Stamp own = Accessor(running).now >> kBlockShift;
+    running.shared->each_gap([&](std::size_t begin, std::size_t end) {
+        for (std::size_t word = begin / 4; word < end / 4; ++word) {
+            const auto& [plain, others] = running.shared_shadow[word];
+            const auto look = [&](const Shadow& shadow, Access access) {
+                const Stamp stamp = shadow.stamps[half(access)];
+                if (stamp >> kBlockShift != own) return;
+                Context writer = running;
+                writer.thread = static_cast<std::uint32_t>(stamp & kThreadOfStamp);
+                report(MemoryFinding::Kind::outside, access, shadow.places[half(access)], writer,
+                       nullptr, 4 * word, running.shared);
+            };
+            look(plain, Access::write);
+            look(others, Access::atomic);
+        }
+    });
+}
+
 void MemoryChecker::report_register(const Context& running, std::uint32_t owner,
                                     const void* place) {
     const std::scoped_lock lock(findings_mutex_);
@@ -392,6 +411,9 @@ void MemoryChecker::report(MemoryFinding::Kind kind, Access access, std::uint32_
         (static_cast<std::uint64_t>(place) << 32 | (other != nullptr ? other->place : 0u)) * 8 +
         static_cast<std::uint64_t>(kind);
     if (findings_.size() >= kMostFindings || !reported_.insert(key).second) return;
+    if (shared != nullptr && kind == MemoryFinding::Kind::unwritten && shared->in_gap(offset)) {
+        kind = MemoryFinding::Kind::outside;  // which says more
+    }
     MemoryFinding finding;
     finding.kind = kind;
     finding.access = access;

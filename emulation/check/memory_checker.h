@@ -128,6 +128,10 @@ class MemoryChecker {
     /// The findings since the last call, one per place in the text.
     std::vector<MemoryFinding> take_findings();
 
+    /// A block is over: reports what it has written between two objects of shared memory. Any
+    /// worker may call it.
+    void end_block(const Context& running);
+
     /// A thread has touched another's register (PerThread). Any worker may call it.
     void report_register(const Context& running, std::uint32_t owner, const void* place);
 

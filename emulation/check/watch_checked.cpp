@@ -45,6 +45,11 @@ Watch::InBlock::InBlock(Watch& watch, std::uint32_t index, std::uint32_t threads
     turns = watch.turns_;
 }
 
+Watch::InBlock::~InBlock() {
+    if (context.checker != nullptr) context.checker->end_block(context);
+    context = {};
+}
+
 void Watch::name_launch(reference::StageKind kind, const reference::StagePlace& place,
                         std::size_t launch) {
     launch_name() = std::string(to_string(kind)) + " of launch " + std::to_string(launch) + " " +

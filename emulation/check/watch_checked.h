@@ -46,7 +46,7 @@ class Watch {
     class InBlock {
      public:
         InBlock(Watch& watch, std::uint32_t index, std::uint32_t threads);
-        ~InBlock() { simt::context = {}; }
+        ~InBlock();
         InBlock(const InBlock&) = delete;
         InBlock& operator=(const InBlock&) = delete;
     };

@@ -169,6 +169,7 @@ std::size_t Findings::add(Finding finding) {
 }
 
 void Findings::make_race(std::size_t position) {
+    if (position >= findings_.size()) return;  // it has been taken
     Finding& finding = findings_[position];
     if (finding.kind != FindingKind::same_value_race) return;
     finding.kind = FindingKind::race;
@@ -179,6 +180,16 @@ void Findings::make_race(std::size_t position) {
 bool Findings::passes() const {
     return std::all_of(findings_.begin(), findings_.end(),
                        [](const Finding& finding) { return is_warning(finding.kind); });
+}
+
+std::string Findings::take(bool warnings) {
+    if (!warnings) {
+        std::erase_if(findings_, [](const Finding& finding) { return is_warning(finding.kind); });
+    }
+    std::string text = to_text();
+    findings_.clear();
+    known_.clear();
+    return text;
 }
 
 std::vector<Finding> Findings::sorted() const {

@@ -93,6 +93,8 @@ class Findings {
     std::string to_json() const;
     /// Whether the program passes: no findings but warnings.
     bool passes() const;
+    /// The text of all, or of all but warnings; they are forgotten.
+    std::string take(bool warnings);
 
  private:
     std::vector<Finding> sorted() const;

@@ -98,6 +98,13 @@ class Machine {
     [[noreturn]] void end_thread(FindingKind kind, const std::string& why, std::uint32_t place,
                                  int code);
     std::uint64_t clock() { return clock_ += 16; }
+    /// As scotty/kernels.h says. A kernel that has failed keeps others from running no longer.
+    std::string take_findings(bool warnings) {
+        sticky_ = false;
+        error_ = kNoError;
+        return findings_.take(warnings);
+    }
+    void use(const Schedule& schedule) { schedule_ = schedule; }
 
     std::uint32_t offset_in_text(const void* place) const {
         return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(place) - text_begin_);

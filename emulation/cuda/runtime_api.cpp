@@ -7,6 +7,7 @@
 
 #include "emulation/cuda/include/scotty_cuda/runtime.h"
 #include "emulation/cuda/machine.h"
+#include "emulation/execution/cuda_errors.h"
 
 struct scotty_stream {};  // NOLINT
 struct scotty_event {     // NOLINT
@@ -141,48 +142,10 @@ cudaError_t cudaGetLastError() { return static_cast<cudaError_t>(Machine::get().
 cudaError_t cudaPeekAtLastError() { return status(); }
 
 const char* cudaGetErrorName(cudaError_t error) {
-    switch (error) {
-        case cudaSuccess:
-            return "cudaSuccess";
-        case cudaErrorInvalidValue:
-            return "cudaErrorInvalidValue";
-        case cudaErrorMemoryAllocation:
-            return "cudaErrorMemoryAllocation";
-        case cudaErrorInvalidConfiguration:
-            return "cudaErrorInvalidConfiguration";
-        case cudaErrorIllegalAddress:
-            return "cudaErrorIllegalAddress";
-        case cudaErrorLaunchTimeout:
-            return "cudaErrorLaunchTimeout";
-        case cudaErrorAssert:
-            return "cudaErrorAssert";
-        case cudaErrorLaunchFailure:
-            return "cudaErrorLaunchFailure";
-        default:
-            return "cudaErrorUnknown";
-    }
+    return scotty::emulation::cuda_error(error).name;
 }
 const char* cudaGetErrorString(cudaError_t error) {
-    switch (error) {
-        case cudaSuccess:
-            return "no error";
-        case cudaErrorInvalidValue:
-            return "invalid argument";
-        case cudaErrorMemoryAllocation:
-            return "out of memory";
-        case cudaErrorInvalidConfiguration:
-            return "invalid configuration argument";
-        case cudaErrorIllegalAddress:
-            return "an illegal memory access was encountered";
-        case cudaErrorLaunchTimeout:
-            return "the launch timed out and was terminated";
-        case cudaErrorAssert:
-            return "device-side assert triggered";
-        case cudaErrorLaunchFailure:
-            return "unspecified launch failure";
-        default:
-            return "unknown error";
-    }
+    return scotty::emulation::cuda_error(error).text;
 }
 
 cudaError_t scotty_malloc(void** memory, size_t bytes, int kind, const void* place) {

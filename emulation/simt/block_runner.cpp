@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "emulation/check/bad_address.h"
+#include "emulation/check/memory_checker.h"
 #include "reference/base/assert.h"
 
 namespace scotty::emulation::simt {
@@ -73,6 +74,7 @@ void BlockRunner::run(const Launch& launch, std::uint32_t block, ScheduleKind or
 }
 
 void BlockRunner::leave() {
+    if (context.checker != nullptr) context.checker->end_block(context);
     context.checker = nullptr;
     context.interleaver = nullptr;
     context.late_stores = nullptr;

@@ -3,6 +3,7 @@
 /// touches what. Only programs that check contain this file.
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "emulation/check/deliberate.h"
 #include "emulation/check/memory_checker.h"
@@ -56,6 +57,21 @@ struct Hooks {
 
 // NOLINTBEGIN
 extern "C" {
+// heard_copies.h. Of a move, the reads come before the writes as in a copy.
+void* scotty_heard_memcpy(void* to, const void* from, std::size_t bytes) noexcept {
+    if (bytes != 0) note<Access::read>(from, bytes, SCOTTY_PLACE);
+    if (bytes != 0) note<Access::write>(to, bytes, SCOTTY_PLACE);
+    return std::memcpy(to, from, bytes);
+}
+void* scotty_heard_memmove(void* to, const void* from, std::size_t bytes) noexcept {
+    if (bytes != 0) note<Access::read>(from, bytes, SCOTTY_PLACE);
+    if (bytes != 0) note<Access::write>(to, bytes, SCOTTY_PLACE);
+    return std::memmove(to, from, bytes);
+}
+void* scotty_heard_memset(void* to, int value, std::size_t bytes) noexcept {
+    if (bytes != 0) note<Access::write>(to, bytes, SCOTTY_PLACE);
+    return std::memset(to, value, bytes);
+}
 void __tsan_atomic_thread_fence(int) { __atomic_thread_fence(__ATOMIC_SEQ_CST); }
 void __tsan_func_entry(void*) {}
 void __tsan_func_exit() {}

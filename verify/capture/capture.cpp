@@ -105,6 +105,14 @@ LoadedStage Capture::load(const StageRecord& stage) const {
     return loaded;
 }
 
+void expect_own(const Capture& capture) {
+    if (!capture.header().foreign) return;
+    throw Error::bad_input(capture.directory().string(),
+                           fmt::format("holds the run of another program, which is judged by: "
+                                       "scotty diff {}",
+                                       capture.directory().string()));
+}
+
 reference::StageView bare_view(const StageRecord& stage) {
     reference::StageView view;
     view.name = stage.name;

@@ -62,6 +62,9 @@ class Capture {
     std::shared_ptr<const KeptBuffers> kept_;  ///< null: all are in files
 };
 
+/// Throws bad_input where it is of another program: verify/diff/foreign.h judges those.
+void expect_own(const Capture& capture);
+
 /// The record's place and sizes as a view without buffers.
 reference::StageView bare_view(const StageRecord& stage);
 

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "reference/base/error.h"
+#include "verify/capture/layout.h"
 #include "verify/capture/npy.h"
 
 namespace scotty::verify {
@@ -42,10 +43,6 @@ constexpr std::array<StageKind, reference::kStageKinds> kKinds = [] {
 }();
 constexpr std::array kOrders{BufferOrder::ordered, BufferOrder::queue, BufferOrder::hit_list};
 
-json place_json(std::uint32_t number) {
-    return number == kNotApplicable ? json(nullptr) : json(number);
-}
-
 std::uint32_t number_member(const std::string& where, const json& object, const char* name) {
     return static_cast<std::uint32_t>(unsigned_member(where, object, name, 0xffffffffu));
 }
@@ -61,21 +58,6 @@ const json& array_member(const std::string& where, const json& object, const cha
         throw Error::bad_input(where, fmt::format("'{}': expected a list", name));
     }
     return value;
-}
-
-ordered_json buffers_json(const std::vector<BufferRecord>& buffers) {
-    ordered_json out = ordered_json::array();
-    for (const BufferRecord& buffer : buffers) {
-        out.push_back({{"name", buffer.name},
-                       {"type", to_string(buffer.type)},
-                       {"shape", buffer.shape},
-                       {"meaning", buffer.meaning},
-                       {"order", to_string(buffer.order)},
-                       {"file", buffer.file},
-                       {"hash", buffer.hash},
-                       {"canonical_hash", buffer.canonical_hash}});
-    }
-    return out;
 }
 
 BufferRecord parse_buffer(const std::string& where, const json& object) {
@@ -105,6 +87,14 @@ BufferRecord parse_buffer(const std::string& where, const json& object) {
     hex_member(where, object, "canonical_hash");
     buffer.canonical_hash = text_member(where, object, "canonical_hash");
     return buffer;
+}
+
+bool boolean_member(const std::string& where, const json& object, const char* name) {
+    const json& value = member(where, object, name);
+    if (!value.is_boolean()) {
+        throw Error::bad_input(where, fmt::format("'{}': expected true or false", name));
+    }
+    return value.get<bool>();
 }
 
 std::vector<BufferRecord> parse_buffers(const std::string& where, const json& stage,
@@ -163,36 +153,43 @@ const BufferRecord* StageRecord::output(std::string_view buffer) const {
     return find_in(outputs, buffer);
 }
 
-ordered_json to_json(const CaptureIndex& index) {
-    const CaptureHeader& header = index.header;
-    ordered_json out;
-    out["format"] = kCaptureFormat;
-    out["version"] = kCaptureVersion;
-    out["backend"] = header.backend;
-    out["parameters"] = to_json(header.parameters);
-    out["scene"] = {{"name", header.scene_name},
-                    {"source", header.scene_source},
-                    {"fingerprint", hex_text(header.scene_fingerprint)}};
-    out["bvh"] = {{"fingerprint", hex_text(header.bvh_fingerprint)},
-                  {"width", header.bvh_width},
-                  {"levels", header.bvh_levels}};
-    out["several_batches"] = header.several_batches;
-    out["patterns"] = header.patterns;
-    ordered_json stages = ordered_json::array();
+capture::StoredBuffer layout_buffer(const BufferRecord& buffer) {
+    return {buffer.name,    layout_type(buffer.type), buffer.shape,
+            buffer.meaning, to_string(buffer.order),  buffer.file,
+            buffer.hash,    buffer.canonical_hash};
+}
+
+std::string text_of(const CaptureIndex& index) {
+    capture::Index out = layout_header(index.header);
+    const auto buffers_of = [](const std::vector<BufferRecord>& records) {
+        std::vector<capture::StoredBuffer> buffers;
+        buffers.reserve(records.size());
+        for (const BufferRecord& record : records) buffers.push_back(layout_buffer(record));
+        return buffers;
+    };
     for (const StageRecord& stage : index.stages) {
-        stages.push_back({{"name", stage.name},
-                          {"kind", reference::to_string(stage.kind)},
-                          {"launch", stage.launch},
-                          {"batch", stage.batch},
-                          {"bounce", place_json(stage.bounce)},
-                          {"light", place_json(stage.light)},
-                          {"level", place_json(stage.level)},
-                          {"blocks", stage.blocks},
-                          {"threads", stage.threads},
-                          {"inputs", buffers_json(stage.inputs)},
-                          {"outputs", buffers_json(stage.outputs)}});
+        out.stages.push_back({stage.name, reference::to_string(stage.kind), stage.launch,
+                              stage.batch, stage.bounce, stage.light, stage.level, stage.blocks,
+                              stage.threads, buffers_of(stage.inputs), buffers_of(stage.outputs)});
     }
-    out["stages"] = std::move(stages);
+    return capture::text_of(out);
+}
+
+capture::Index layout_header(const CaptureHeader& header) {
+    capture::Index out;
+    out.backend = header.backend;
+    const ordered_json parameters = to_json(header.parameters);
+    for (const auto& [name, value] : parameters.items()) {
+        out.parameters.emplace_back(name, value.dump());
+    }
+    out.scene = header.scene_name;
+    out.source = header.scene_source;
+    out.scene_fingerprint = hex_text(header.scene_fingerprint);
+    out.bvh_fingerprint = hex_text(header.bvh_fingerprint);
+    out.width = header.bvh_width;
+    out.levels = header.bvh_levels;
+    out.several_batches = header.several_batches;
+    out.patterns = header.patterns;
     return out;
 }
 
@@ -202,21 +199,21 @@ CaptureIndex parse_index(const std::filesystem::path& file, const json& object) 
     CaptureIndex index;
     CaptureHeader& header = index.header;
     header.backend = text_member(where, object, "backend");
-    header.parameters =
-        parse_parameters(where + ": parameters", member(where, object, "parameters"));
+    header.foreign = object.contains("foreign");
+    if (header.foreign) {
+        header.culls = boolean_member(where + ": foreign", object["foreign"], "culls");
+    }
+    header.parameters = parse_parameters(where + ": parameters",
+                                         member(where, object, "parameters"), header.foreign);
     const json& scene = member(where, object, "scene");
     header.scene_name = text_member(where + ": scene", scene, "name");
     header.scene_source = text_member(where + ": scene", scene, "source");
-    header.scene_fingerprint = hex_member(where + ": scene", scene, "fingerprint");
+    header.scene_fingerprint = fingerprint_member(where + ": scene", scene).value_or(0);
     const json& bvh = member(where, object, "bvh");
-    header.bvh_fingerprint = hex_member(where + ": bvh", bvh, "fingerprint");
+    header.bvh_fingerprint = fingerprint_member(where + ": bvh", bvh).value_or(0);
     header.bvh_width = static_cast<int>(unsigned_member(where + ": bvh", bvh, "width", 16));
     header.bvh_levels = number_member(where + ": bvh", bvh, "levels");
-    const json& batches = member(where, object, "several_batches");
-    if (!batches.is_boolean()) {
-        throw Error::bad_input(where, "'several_batches': expected true or false");
-    }
-    header.several_batches = batches.get<bool>();
+    header.several_batches = boolean_member(where, object, "several_batches");
     for (const json& pattern : array_member(where, object, "patterns")) {
         if (!pattern.is_string()) throw Error::bad_input(where, "'patterns': expected text");
         header.patterns.push_back(pattern.get<std::string>());

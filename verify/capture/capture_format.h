@@ -4,18 +4,20 @@
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "reference/contract/pipeline_parameters.h"
 #include "reference/contract/stage_observer.h"
+#include "verify/capture/include/scotty/capture_layout.h"
 
 namespace scotty::verify {
 
-inline constexpr const char* kCaptureFormat = "cuda-scotty-capture";
-inline constexpr const char* kInputFormat = "cuda-scotty-input";
-inline constexpr int kCaptureVersion = 1;
+using capture::kCaptureFormat;
+using capture::kInputFormat;
+inline constexpr int kCaptureVersion = capture::kVersion;
 inline constexpr const char* kIndexFile = "index.json";
 inline constexpr const char* kInputFolder = "input";
 
@@ -63,6 +65,9 @@ struct CaptureHeader {
     std::uint32_t bvh_levels = 0;
     bool several_batches = false;       ///< the writer sets it from the stages' names
     std::vector<std::string> patterns;  ///< which stages were asked for; empty: all
+    /// Written by another program, through capture_writer.h: its ids and its arithmetic.
+    bool foreign = false;
+    bool culls = false;  ///< of a foreign one: rays need not be pushed on behind a hit
 };
 
 struct CaptureIndex {
@@ -70,15 +75,20 @@ struct CaptureIndex {
     std::vector<StageRecord> stages;
 };
 
-nlohmann::ordered_json to_json(const CaptureIndex& index);
+/// The buffer, and the text of index.json, as capture_layout.h writes them.
+capture::StoredBuffer layout_buffer(const BufferRecord& buffer);
+std::string text_of(const CaptureIndex& index);
+/// What of it is known before there are stages.
+capture::Index layout_header(const CaptureHeader& header);
 /// Throws bad_input naming `file` and the element.
 CaptureIndex parse_index(const std::filesystem::path& file, const nlohmann::json& object);
 
 /// Every field by its name; enumerations as their words.
 nlohmann::ordered_json to_json(const reference::PipelineParameters& parameters);
-/// Throws bad_input naming `where` and the field; the result has been validated.
+/// Throws bad_input naming `where` and the field; the result has been validated. `some`: those
+/// that are missing are as they are by default.
 reference::PipelineParameters parse_parameters(const std::string& where,
-                                               const nlohmann::json& object);
+                                               const nlohmann::json& object, bool some = false);
 
 /// The whole file as JSON; throws bad_input naming it.
 nlohmann::json read_json(const std::filesystem::path& file);
@@ -94,5 +104,8 @@ std::uint64_t unsigned_member(const std::string& where, const nlohmann::json& ob
 std::string text_member(const std::string& where, const nlohmann::json& object, const char* name);
 /// 16 hexadecimal digits.
 std::uint64_t hex_member(const std::string& where, const nlohmann::json& object, const char* name);
+/// The member "fingerprint"; none where it is null, as in captures of other programs.
+std::optional<std::uint64_t> fingerprint_member(const std::string& where,
+                                                const nlohmann::json& object);
 
 }  // namespace scotty::verify

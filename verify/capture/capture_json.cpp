@@ -57,11 +57,11 @@ ordered_json to_json(const PipelineParameters& parameters) {
     return out;
 }
 
-PipelineParameters parse_parameters(const std::string& where, const json& object) {
+PipelineParameters parse_parameters(const std::string& where, const json& object, bool some) {
     PipelineParameters parameters;
     for (const reference::ParameterInfo& info : reference::kParameters) {
         const std::string name(info.name);
-        if (info.added_later && !object.contains(name)) continue;
+        if ((some || info.added_later) && !object.contains(name)) continue;
         const std::string text =
             info.words.empty()
                 ? std::to_string(unsigned_member(where, object, name.c_str(), ~std::uint64_t{0}))
@@ -153,6 +153,11 @@ std::uint64_t hex_member(const std::string& where, const json& object, const cha
             where, fmt::format("'{}': expected 16 hexadecimal digits, found '{}'", name, text));
     }
     return value;
+}
+
+std::optional<std::uint64_t> fingerprint_member(const std::string& where, const json& object) {
+    if (member(where, object, "fingerprint").is_null()) return std::nullopt;
+    return hex_member(where, object, "fingerprint");
 }
 
 }  // namespace scotty::verify

@@ -1,103 +1,28 @@
 #include "verify/capture/capture_writer.h"
 
-#include <fmt/format.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
-#include "reference/base/error.h"
-#include "reference/base/write_file.h"
 #include "verify/capture/canonical.h"
 #include "verify/capture/failure.h"
+#include "verify/capture/layout.h"
 #include "verify/capture/npy.h"
 
 namespace scotty::verify {
 
 using reference::BufferView;
-using reference::Error;
 using reference::StageKind;
 using reference::StageView;
 namespace fs = std::filesystem;
 
-namespace {
-
-/// Beside the target, so that a rename is enough.
-fs::path sibling(const fs::path& target, const char* what) {
-    return target.parent_path() /
-           fmt::format(".{}.{}-{}", target.filename().string(), what, ::getpid());
-}
-
-/// "a/b/" is "a/b".
-fs::path without_slash(const fs::path& path) {
-    fs::path clean = fs::absolute(path).lexically_normal();
-    return clean.has_filename() ? clean : clean.parent_path();
-}
-
-bool is_capture(const fs::path& directory) {
-    try {
-        const fs::path index = directory / kIndexFile;
-        if (!fs::exists(index)) return false;
-        const nlohmann::json json = read_json(index);
-        return json.is_object() && json.value("format", nlohmann::json()) == kCaptureFormat;
-    } catch (const Error&) {
-        return false;
-    }
-}
-
-}  // namespace
-
-ReplacedDirectory::ReplacedDirectory(const fs::path& target)
-    : target_(without_slash(target)), partial_(sibling(target_, "partial")) {
-    expect_replaceable();
-    std::error_code error;
-    fs::remove_all(partial_, error);
-    if (!fs::create_directories(partial_, error)) {
-        throw Error::bad_input(partial_.string(),
-                               "the directory cannot be made: " + error.message());
-    }
-}
-
-ReplacedDirectory::~ReplacedDirectory() {
-    std::error_code ignored;
-    if (!finished_) fs::remove_all(partial_, ignored);
-}
-
-void ReplacedDirectory::expect_replaceable() const {
-    std::error_code error;
-    if (!fs::exists(target_, error)) return;
-    const bool replaceable =
-        fs::is_directory(target_, error) && (fs::is_empty(target_, error) || is_capture(target_));
-    if (!replaceable) {
-        throw Error::bad_input(target_.string(),
-                               "exists and is not a capture, so it is not replaced; name another "
-                               "directory or remove it");
-    }
-}
-
-void ReplacedDirectory::finish() {
-    expect_replaceable();
-    const fs::path old = sibling(target_, "old");
-    std::error_code error;
-    const bool replaces = fs::exists(target_, error);
-    if (replaces) fs::rename(target_, old, error);
-    if (!error) fs::rename(partial_, target_, error);
-    if (error) {
-        throw Error::bad_input(target_.string(),
-                               "the finished capture cannot be moved here: " + error.message());
-    }
-    finished_ = true;
-    if (replaces) fs::remove_all(old, error);
-}
-
 CaptureWriter::CaptureWriter(const fs::path& directory, CaptureHeader header,
                              std::vector<std::string> patterns)
-    : target_(directory), directory_(directory) {
+    : target_(directory),
+      directory_(as_bad_input([&] { return std::make_unique<capture::Directory>(directory); })) {
     index_.header = std::move(header);
     index_.header.patterns = std::move(patterns);
-    fs::create_directories(directory_.path() / "buffers");
+    fs::create_directories(directory_->path() / "buffers");
 }
 
 void CaptureWriter::on_stage(const StageView& stage) {
@@ -149,9 +74,7 @@ BufferRecord CaptureWriter::store(const StageView& stage, const BufferView& buff
         const std::vector<std::byte> canonical = canonical_bytes(buffer, regions);
         record.canonical_hash = hash_text(canonical.data(), canonical.size());
     }
-    // Equal bytes of another type or shape are another file.
-    const std::string address = npy_header(buffer.type, buffer.shape) + record.hash;
-    record.file = fmt::format("buffers/{}.npy", hash_text(address.data(), address.size()));
+    record.file = capture::file_of(layout_buffer(record));
     write(record.file, buffer, data);
     return record;
 }
@@ -165,7 +88,7 @@ void CaptureWriter::write(const std::string& name, const BufferView& buffer, con
         memory_left_ -= buffer.bytes;
         return;
     }
-    const fs::path file = directory_.path() / name;
+    const fs::path file = directory_->path() / name;
     if (!fs::exists(file)) write_npy(file, buffer.type, buffer.shape, data, buffer.bytes);
 }
 
@@ -188,7 +111,7 @@ void CaptureWriter::remove_unreferenced() const {
         for (const BufferRecord& buffer : stage.inputs) used.insert(buffer.file);
         for (const BufferRecord& buffer : stage.outputs) used.insert(buffer.file);
     }
-    for (const auto& entry : fs::directory_iterator(directory_.path() / "buffers")) {
+    for (const auto& entry : fs::directory_iterator(directory_->path() / "buffers")) {
         if (!used.contains("buffers/" + entry.path().filename().string())) {
             fs::remove(entry.path());
         }
@@ -197,12 +120,14 @@ void CaptureWriter::remove_unreferenced() const {
 
 void CaptureWriter::finish() {
     remove_unreferenced();
-    reference::write_file(directory_.path() / kIndexFile, to_json(index_).dump(1) + "\n");
-    directory_.finish();
+    as_bad_input([&] {
+        capture::write_file(directory_->path() / kIndexFile, text_of(index_));
+        directory_->finish();
+    });
 }
 
 Capture CaptureWriter::finish_here() {
-    directory_.finish();
+    as_bad_input([&] { directory_->finish(); });
     return {target_, std::move(index_), std::move(kept_)};
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,30 +11,9 @@
 #include "reference/contract/stage_observer.h"
 #include "verify/capture/capture.h"
 #include "verify/capture/capture_format.h"
+#include "verify/capture/include/scotty/capture_layout.h"
 
 namespace scotty::verify {
-
-/// A directory that appears whole or not at all: written under a name of its own beside the
-/// target, and renamed by finish(). An existing target is replaced only where it is a capture or
-/// empty.
-class ReplacedDirectory {
- public:
-    /// Throws bad_input naming the target where it is something else, or cannot be made.
-    explicit ReplacedDirectory(const std::filesystem::path& target);
-    /// Removes what was written unless finish() has been called.
-    ~ReplacedDirectory();
-    ReplacedDirectory(const ReplacedDirectory&) = delete;
-    ReplacedDirectory& operator=(const ReplacedDirectory&) = delete;
-
-    const std::filesystem::path& path() const { return partial_; }  ///< where to write
-    void finish();
-
- private:
-    void expect_replaceable() const;
-
-    std::filesystem::path target_, partial_;
-    bool finished_ = false;
-};
 
 /// Observer that writes every stage shown to it into a capture.
 ///
@@ -55,7 +35,7 @@ class CaptureWriter : public reference::StageObserver {
     void on_retry(std::string_view stage, std::string_view reason) override;
 
     /// Where write_pipeline_input() puts what makes the capture replayable.
-    std::filesystem::path input_folder() const { return directory_.path() / kInputFolder; }
+    std::filesystem::path input_folder() const { return directory_->path() / kInputFolder; }
     std::size_t stage_count() const { return index_.stages.size(); }
 
     /// Writes the index and moves the capture to its place. Nothing is there before.
@@ -70,7 +50,7 @@ class CaptureWriter : public reference::StageObserver {
     void remove_unreferenced() const;
 
     std::filesystem::path target_;
-    ReplacedDirectory directory_;
+    std::unique_ptr<capture::Directory> directory_;
     CaptureIndex index_;
     KeptBuffers kept_;
     std::size_t memory_left_ = 0;

@@ -1,8 +1,6 @@
 #include "verify/capture/npy.h"
 
 #include <fmt/format.h>
-#define XXH_INLINE_ALL
-#include <xxhash.h>
 
 #include <array>
 #include <bit>
@@ -13,6 +11,8 @@
 
 #include "reference/base/assert.h"
 #include "reference/base/error.h"
+#include "verify/capture/include/scotty/capture_layout.h"
+#include "verify/capture/layout.h"
 
 namespace scotty::verify {
 
@@ -24,7 +24,6 @@ static_assert(std::endian::native == std::endian::little, "files hold memory as 
 namespace {
 
 constexpr std::string_view kMagic("\x93NUMPY\x01\x00", 8);
-constexpr std::size_t kAlignment = 64;
 
 struct TypeName {
     ElementType type;
@@ -115,31 +114,13 @@ std::string shape_text(std::span<const std::size_t> shape) {
 }
 
 std::string npy_header(ElementType type, std::span<const std::size_t> shape) {
-    // A tuple of one element needs its comma.
-    const std::string tuple =
-        fmt::format("({}{})", fmt::join(shape, ", "), shape.size() == 1 ? "," : "");
-    std::string dictionary = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': {}, }}",
-                                         entry_of(type).descr, tuple);
-    const std::size_t unpadded = kMagic.size() + 2 + dictionary.size() + 1;
-    dictionary.append((kAlignment - unpadded % kAlignment) % kAlignment, ' ');
-    dictionary += '\n';
-    std::string header(kMagic);
-    header += static_cast<char>(dictionary.size() & 0xffu);
-    header += static_cast<char>(dictionary.size() >> 8);
-    return header + dictionary;
+    return capture::npy_header(layout_type(type), {shape.begin(), shape.end()});
 }
 
 void write_npy(const std::filesystem::path& file, ElementType type,
                std::span<const std::size_t> shape, const void* data, std::size_t bytes) {
     SCOTTY_ASSERT(bytes, ==, element_count(shape) * size_of(type));
-    std::ofstream out(file, std::ios::binary);
-    const std::string header = npy_header(type, shape);
-    out.write(header.data(), static_cast<std::streamsize>(header.size()));
-    if (bytes != 0) {
-        out.write(static_cast<const char*>(data), static_cast<std::streamsize>(bytes));
-    }
-    out.close();
-    if (!out) fail(file, "cannot be written (is the disk full, or the folder read-only?)");
+    as_bad_input([&] { capture::write_file(file, npy_header(type, shape), data, bytes); });
 }
 
 NpyArray read_npy(const std::filesystem::path& file) {
@@ -183,8 +164,8 @@ NpyArray read_npy(const std::filesystem::path& file) {
 }
 
 std::string hash_text(const void* data, std::size_t bytes) {
-    return hex_text(XXH64(data, bytes, 0));
+    return capture::hash_text(data, bytes);
 }
-std::string hex_text(std::uint64_t value) { return fmt::format("{:016x}", value); }
+std::string hex_text(std::uint64_t value) { return capture::hex(value); }
 
 }  // namespace scotty::verify

@@ -6,12 +6,13 @@
 #include <array>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <type_traits>
 #include <vector>
 
 #include "reference/base/error.h"
-#include "reference/base/write_file.h"
 #include "reference/contract/scene_fields.h"
+#include "verify/capture/layout.h"
 #include "verify/capture/npy.h"
 
 namespace scotty::verify {
@@ -78,32 +79,30 @@ class Row {
     Float* at_;
 };
 
-/// Writes arrays and lists them for input.json.
+/// Writes arrays of four-byte elements.
 class ArrayWriter {
  public:
-    explicit ArrayWriter(fs::path directory) : directory_(std::move(directory)) {}
+    explicit ArrayWriter(const fs::path& directory) : folder_(directory) {}
 
     template <class T>
     void add(const std::string& name, const std::vector<T>& data,
              const std::vector<std::size_t>& shape, const char* meaning) {
         static_assert(sizeof(T) % 4 == 0);
-        write(name,
-              std::is_same_v<T, Vec3> || std::is_same_v<T, float> ? ElementType::float32
-                                                                  : ElementType::uint32,
-              shape, data.data(), data.size() * sizeof(T), meaning);
+        constexpr bool kFloats = std::is_same_v<T, Vec3> || std::is_same_v<T, float>;
+        folder_.add(name, kFloats ? capture::Type::float32 : capture::Type::uint32, shape,
+                    data.data(), meaning);
     }
-    ordered_json list() const { return list_; }
+    void finish(const CaptureHeader& header) {
+        const auto names = [](const auto& columns) {
+            return std::vector<std::string>(columns.begin(), columns.end());
+        };
+        folder_.finish(layout_header(header), {{"material_columns", names(kMaterialColumns)},
+                                               {"light_columns", names(kLightColumns)},
+                                               {"camera_columns", names(kCameraColumns)}});
+    }
 
  private:
-    void write(const std::string& name, ElementType type, const std::vector<std::size_t>& shape,
-               const void* data, std::size_t bytes, const char* meaning) {
-        const std::string file = name + ".npy";
-        write_npy(directory_ / file, type, shape, data, bytes);
-        list_[name] = {{"file", file}, {"meaning", meaning}, {"hash", hash_text(data, bytes)}};
-    }
-
-    fs::path directory_;
-    ordered_json list_ = ordered_json::object();
+    capture::InputFolder folder_;
 };
 
 /// Reads the arrays that input.json should name; file names are ours, never taken from it.
@@ -298,43 +297,26 @@ WideBvh read_bvh(const ArrayReader& arrays, const fs::path& directory, int width
     return bvh;
 }
 
-void expect_fingerprint(const fs::path& file, const char* what, std::uint64_t said,
+/// Other programs do not know fingerprints; the hash of each array has been checked.
+void expect_fingerprint(const fs::path& file, const char* what, std::optional<std::uint64_t> said,
                         std::uint64_t found) {
-    if (said == found) return;
+    if (!said || *said == found) return;
     throw Error::bad_input(file.string(),
                            fmt::format("expected a {} of fingerprint {}, found {}; an array beside "
                                        "it has been changed",
-                                       what, hex_text(said), hex_text(found)));
+                                       what, hex_text(*said), hex_text(found)));
 }
 
 }  // namespace
 
 void write_pipeline_input(const fs::path& directory, const Scene& scene, const WideBvh& bvh,
                           const reference::PipelineParameters& parameters) {
-    std::error_code error;
-    fs::create_directories(directory, error);
-    if (error) {
-        throw Error::bad_input(directory.string(),
-                               "the directory cannot be made: " + error.message());
-    }
-    ArrayWriter arrays(directory);
-    add_scene(arrays, scene);
-    add_bvh(arrays, bvh);
-    ordered_json out;
-    out["format"] = kInputFormat;
-    out["version"] = kCaptureVersion;
-    out["parameters"] = to_json(parameters);
-    out["scene"] = {{"name", scene.name},
-                    {"source", scene.source},
-                    {"fingerprint", hex_text(fingerprint(scene))}};
-    out["bvh"] = {{"width", bvh.width},
-                  {"levels", bvh.level_count()},
-                  {"fingerprint", hex_text(fingerprint(bvh))}};
-    out["arrays"] = arrays.list();
-    out["material_columns"] = kMaterialColumns;
-    out["light_columns"] = kLightColumns;
-    out["camera_columns"] = kCameraColumns;
-    reference::write_file(directory / kInputFile, out.dump(1) + "\n");
+    as_bad_input([&] {
+        ArrayWriter arrays(directory);
+        add_scene(arrays, scene);
+        add_bvh(arrays, bvh);
+        arrays.finish(header_of("none", scene, bvh, parameters));
+    });
 }
 
 PipelineInput read_pipeline_input(const fs::path& given) {
@@ -351,19 +333,18 @@ PipelineInput read_pipeline_input(const fs::path& given) {
     expect_format(file, object, kInputFormat);
     const std::string where = file.string();
     PipelineInput input;
+    const json& scene = member(where, object, "scene");
+    const auto scene_said = fingerprint_member(where + ": scene", scene);
+    const auto bvh_said = fingerprint_member(where + ": bvh", member(where, object, "bvh"));
     input.parameters =
-        parse_parameters(where + ": parameters", member(where, object, "parameters"));
+        parse_parameters(where + ": parameters", member(where, object, "parameters"), !scene_said);
     const ArrayReader arrays(directory, member(where, object, "arrays"));
     input.scene = read_scene(arrays);
-    const json& scene = member(where, object, "scene");
     input.scene.name = text_member(where + ": scene", scene, "name");
     input.scene.source = text_member(where + ": scene", scene, "source");
-    expect_fingerprint(file, "scene", hex_member(where + ": scene", scene, "fingerprint"),
-                       fingerprint(input.scene));
+    expect_fingerprint(file, "scene", scene_said, fingerprint(input.scene));
     input.bvh = read_bvh(arrays, directory, input.parameters.width);
-    expect_fingerprint(file, "BVH",
-                       hex_member(where + ": bvh", member(where, object, "bvh"), "fingerprint"),
-                       fingerprint(input.bvh));
+    expect_fingerprint(file, "BVH", bvh_said, fingerprint(input.bvh));
     return input;
 }
 

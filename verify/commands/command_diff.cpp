@@ -15,6 +15,7 @@
 #include "verify/commands/command.h"
 #include "verify/commands/options.h"
 #include "verify/diff/diff.h"
+#include "verify/diff/foreign.h"
 #include "verify/diff/replay.h"
 #include "verify/images/image_diff.h"
 #include "verify/images/image_noise.h"
@@ -141,6 +142,7 @@ DiffReport compare_backends(const DiffCommand& options, DiffOptions diff) {
         const bool capture_first = !is_backend(pair[0]);
         const Capture capture = Capture::open(pair[capture_first ? 0 : 1]);
         const Backend backend = backend_named(pair[capture_first ? 1 : 0], options.threads);
+        if (capture.header().foreign) return diff_foreign(capture, backend, std::move(diff));
         if (options.isolated) return diff_isolated(capture, backend, std::move(diff));
         if (capture_first) return diff_with_run(capture, backend, std::move(diff));
         const TemporaryCapture run(backend, read_pipeline_input(capture.directory()));
@@ -176,6 +178,7 @@ DiffReport compare(const DiffCommand& options) {
     }
     const Backend backend =
         backend_named(options.backend.empty() ? "emulator" : options.backend, options.threads);
+    if (a.header().foreign) return diff_foreign(a, backend, std::move(diff));
     reference::PipelineParameters b;
     b.arithmetic = options.arithmetic;
     expect_arithmetic(backend, b);
@@ -265,6 +268,8 @@ void add_diff_command(CLI::App& app, Action& action, const std::string& command_
         "                                               tells a wrong kernel from wrong data)\n"
         "  scotty diff --backends emulator,simt coil --size 32x24 --width 4\n"
         "  scotty diff --backends simt,coil.cuda --isolated\n"
+        "  scotty diff mine.capture                    (of another program, by "
+        "scotty/capture_writer.h)\n"
         "  scotty diff A B --stages '*/intersect' --json\n"
         "  scotty diff GOLDEN.exr IMAGE.exr            (by noise, where the files know theirs)\n"
         "  scotty diff GOLDEN.exr a.exr --also b.exr c.exr d.exr --heatmap z.png\n"

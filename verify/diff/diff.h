@@ -40,6 +40,8 @@ struct Divergence {
     std::uint32_t thread = reference::kNotApplicable;  ///< of the block: the ray's thread
     std::uint32_t ray = reference::kNotApplicable;
     std::string buffer;
+    /// As the capture's own program calls them.
+    std::optional<std::uint64_t> own_node, own_ray;
     std::string field;   ///< "direction.x"; empty if an element is one number
     bool input = false;  ///< the difference is in the stage's input
     std::string a, b;    ///< hexadecimal and decimal
@@ -89,6 +91,10 @@ struct DiffReport {
     std::string a_backend, b_backend;
     bool isolated = false;
     std::vector<StageResult> stages;
+    /// Of a capture of another program (verify/diff/foreign.h): what it does not hold, what is
+    /// wrong with its tree, and how often a difference is one that rounding may make.
+    std::vector<std::string> not_given, tree_violations;
+    std::uint64_t excused = 0;
     std::uint64_t not_compared = 0;  ///< on one side only, because only that side was asked for it
 
     bool passed() const;

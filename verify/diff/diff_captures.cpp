@@ -31,6 +31,8 @@ DiffReport diff_stages(const Capture& a, const Capture& b, DiffOptions options, 
 }  // namespace
 
 void expect_comparable(const Capture& a, const Capture& b) {
+    expect_own(a);
+    expect_own(b);
     const auto expect = [&](const std::string& what, const std::string& of_a,
                             const std::string& of_b) {
         if (of_a == of_b) return;

@@ -55,6 +55,8 @@ ordered_json to_json(const Divergence& d) {
     out["block"] = number(d.block);
     out["thread"] = number(d.thread);
     out["ray"] = number(d.ray);
+    if (d.own_node) out["own_node"] = *d.own_node;
+    if (d.own_ray) out["own_ray"] = *d.own_ray;
     out["buffer"] = d.buffer;
     out["field"] = d.field;
     out["input"] = d.input;
@@ -117,7 +119,8 @@ std::string table(const DiffReport& report) {
 }  // namespace
 
 bool DiffReport::passed() const {
-    return std::none_of(stages.begin(), stages.end(),
+    return tree_violations.empty() &&
+           std::none_of(stages.begin(), stages.end(),
                         [](const StageResult& stage) { return stage.failed(); });
 }
 
@@ -146,10 +149,18 @@ const NonFinite* DiffReport::first_non_finite() const {
 std::string to_text(const Divergence& d) {
     std::string text = fmt::format("launch {} {}", d.launch, d.stage);
     if (d.level != kNotApplicable) text += fmt::format(", level {}", d.level);
-    if (d.node != kNotApplicable) text += fmt::format(", node {}", d.node);
+    if (d.own_node) {
+        text += fmt::format(", node {} ({} in the capture)", *d.own_node, d.node);
+    } else if (d.node != kNotApplicable) {
+        text += fmt::format(", node {}", d.node);
+    }
     if (d.block != kNotApplicable) text += fmt::format(", block {}", d.block);
     if (d.thread != kNotApplicable) text += fmt::format(", thread {}", d.thread);
-    if (d.ray != kNotApplicable) text += fmt::format(", ray {}", d.ray);
+    if (d.own_ray) {
+        text += fmt::format(", ray {} ({} in the capture)", *d.own_ray, d.ray);
+    } else if (d.ray != kNotApplicable) {
+        text += fmt::format(", ray {}", d.ray);
+    }
     text += ": " + d.sentence + "\n";
     if (!d.a.empty() || !d.b.empty()) {
         std::string field = d.buffer;
@@ -177,6 +188,9 @@ std::string to_text(const DiffReport& report) {
                     report.b_backend, report.isolated ? ", each stage alone, on A's inputs" : "");
     std::uint64_t failed = 0;
     for (const StageResult& stage : report.stages) failed += stage.failed() ? 1 : 0;
+    for (const std::string& violation : report.tree_violations) {
+        text += fmt::format("the capture's tree is not sound: {}\n", violation);
+    }
     if (report.passed()) {
         text += fmt::format("passed: {} stages compared\n", report.stages.size());
     } else {
@@ -188,6 +202,17 @@ std::string to_text(const DiffReport& report) {
     }
     if (const Divergence* first = report.first()) {
         text += "\nfirst divergence: " + to_text(*first);
+    }
+    if (report.excused != 0) {
+        text += fmt::format(
+            "\n{} differences are within the rounding of float tests (a ray that grazes a box or "
+            "an "
+            "edge, two hits in one place)\n",
+            report.excused);
+    }
+    if (!report.not_given.empty()) {
+        text += fmt::format("\nnot judged, because the capture does not hold it: {}\n",
+                            fmt::join(report.not_given, "; "));
     }
     if (report.not_compared != 0) {
         text += fmt::format(
@@ -232,6 +257,9 @@ ordered_json to_json(const DiffReport& report) {
     const Divergence* first = report.first();
     out["first_divergence"] = first != nullptr ? to_json(*first) : ordered_json(nullptr);
     out["not_compared"] = report.not_compared;
+    if (!report.not_given.empty()) out["not_given"] = report.not_given;
+    if (!report.tree_violations.empty()) out["tree_violations"] = report.tree_violations;
+    if (report.excused != 0) out["excused"] = report.excused;
     ordered_json kinds = ordered_json::object();
     for (const auto& [kind, count] : counts_by_kind(report)) {
         ordered_json entry;

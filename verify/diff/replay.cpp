@@ -56,6 +56,7 @@ DiffReport replay_stage(const Capture& capture, const std::string& stage, const 
                                fmt::format("holds no stage '{}'; it has {} stages: {}", stage,
                                            capture.stages().size(), nearest_names(capture, stage)));
     }
+    expect_own(capture);
     const PipelineInput input = read_pipeline_input(capture.directory());
     Differ differ(capture, isolated_options({}, backend));
     run_alone(capture, *record, input, backend, differ);
@@ -66,6 +67,7 @@ DiffReport replay_stage(const Capture& capture, const std::string& stage, const 
 }
 
 DiffReport diff_isolated(const Capture& capture, const Backend& backend, DiffOptions options) {
+    expect_own(capture);
     PipelineInput input = read_pipeline_input(capture.directory());
     input.parameters.arithmetic = options.b_arithmetic;
     const std::vector<std::string> patterns = options.patterns;
@@ -88,6 +90,7 @@ DiffReport diff_isolated(const Capture& capture, const Backend& backend, DiffOpt
 }
 
 DiffReport diff_with_run(const Capture& capture, const Backend& backend, DiffOptions options) {
+    expect_own(capture);
     PipelineInput input = read_pipeline_input(capture.directory());
     input.parameters.arithmetic = options.b_arithmetic;
     options.b_backend = backend.name;

@@ -12,8 +12,8 @@
 
 #include "reference/base/error.h"
 #include "verify/base/scratch_folder.h"
+#include "verify/kernel_check/compile.h"
 #include "verify/kernel_check/programs.h"
-#include "verify/kernel_check/translate.h"
 
 namespace scotty::verify {
 
@@ -21,27 +21,6 @@ namespace {
 
 using Words = std::vector<std::string>;
 namespace fs = std::filesystem;
-
-/// What the program's calls of the C library are turned to (emulation/cuda/hooks.cpp).
-constexpr const char* kWrapped[] = {"memcpy", "memmove", "memset",  "malloc",
-                                    "free",   "_Znwm",   "_Znam",   "_ZdlPv",
-                                    "_ZdaPv", "_ZdlPvm", "_ZdaPvm", "__assert_fail"};
-
-std::string find_compiler(const std::string& asked) {
-    if (!asked.empty()) {
-        if (find_program(asked).empty()) {
-            throw reference::Error::missing_environment("there is no compiler '" + asked + "'");
-        }
-        return asked;
-    }
-    const char* const wanted = std::getenv("CXX");
-    for (const char* const name : {wanted == nullptr ? "" : wanted, "g++", "c++"}) {
-        if (*name != '\0' && !find_program(name).empty()) return name;
-    }
-    throw reference::Error::missing_environment(
-        "scotty check compiles with the host's C++ compiler, and there is none: neither $CXX nor "
-        "g++ or c++ (on Debian: apt install g++)");
-}
 
 /// The library and its headers: beside this program's own folder, in the build tree and installed.
 fs::path executor_folder() {
@@ -82,77 +61,40 @@ class Build {
         for (std::size_t i = 0; i < check_.sources.size(); ++i) {
             link.push_back(object(check_.sources[i], i).string());
         }
-        for (const char* const name : kWrapped) link.push_back(std::string("-Wl,--wrap=") + name);
-        link.push_back((executor_ / "libscotty-kernels.so").string());
-        link.push_back("-Wl,-rpath," + executor_.string());
+        const Words options = link_options_of_kernels(executor_);
+        link.insert(link.end(), options.begin(), options.end());
         run(link, "is not linked");
         return scratch_ / "program";
     }
 
  private:
-    /// From CUDA text to preprocessed text, to C++ text, to an instrumented object.
     fs::path object(const std::string& source, std::size_t number) {
         if (!fs::exists(source)) throw reference::Error::bad_input(source, "there is no such file");
-        const auto file = [&](const char* extension) {
-            return scratch_ / fmt::format("{}{}", number, extension);
-        };
-        const std::string standard =
-            "-std=gnu++" + check_.standard.substr(check_.standard.find_last_of('+') + 1);
-        Words preprocess = {compiler_,
-                            "-E",
-                            "-x",
-                            "c++",
-                            standard,
-                            "-isystem",
-                            (executor_ / "include").string(),
-                            "-isystem",
-                            (executor_ / "include" / "scotty_cuda" / "forward").string(),
-                            "-include",
-                            "scotty_cuda/cuda.h"};
+        CudaCompile compile;
+        compile.compiler = compiler_;
+        compile.executor = executor_;
+        compile.standard = check_.standard;
         for (const std::string& folder : check_.include_folders) {
-            preprocess.push_back("-I" + folder);
+            compile.options.push_back("-I" + folder);
         }
-        for (const std::string& name : check_.definitions) preprocess.push_back("-D" + name);
-        std::string input = source;
+        for (const std::string& name : check_.definitions) compile.options.push_back("-D" + name);
+        compile.source = source;
+        compile.object = scratch_ / fmt::format("{}.o", number);
         if (number == 0 && !check_.launch.empty()) {
-            input = file(".cu").string();
-            write_file(input,
+            compile.source = (scratch_ / "0.cu").string();
+            write_file(compile.source,
                        fmt::format("#include \"{}\"\n#line 1 \"--launch\"\n{}",
                                    fs::absolute(source).string(), main_of_launch(check_.launch)));
-            // Lines shall name the file as the user did.
-            preprocess.push_back("-fmacro-prefix-map=" + fs::absolute(source).string() + "=" +
-                                 source);
+            compile.shown_as = source;
         }
-        preprocess.insert(preprocess.end(), {"-o", file(".ii").string(), input});
-        run(preprocess, source + " is not preprocessed");
-        std::string text = read_file(file(".ii"));
-        if (input != source) {
-            replace_all(text, "\"" + fs::absolute(source).string() + "\"", "\"" + source + "\"");
-        }
-        write_file(file(".cpp.ii"), translate_cuda(text));
-        run({compiler_, "-x", "c++-cpp-output", standard, "-w", "-fpermissive", "-O0", "-g",
-             "-fno-omit-frame-pointer", "-fsanitize=thread", "--param",
-             "tsan-distinguish-volatile=1",
-             "-fdebug-prefix-map=" + fs::current_path().string() + "=.", "-c", "-o",
-             file(".o").string(), file(".cpp.ii").string()},
-            source + " does not compile");
-        return file(".o");
-    }
-
-    static void replace_all(std::string& text, const std::string& from, const std::string& to) {
-        for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos;) {
-            text.replace(at, from.size(), to);
-            at += to.size();
-        }
+        compile_cuda(compile);
+        return compile.object;
     }
 
     static void run(const Words& words, const std::string& what) {
         ProgramOptions options;
         options.keep_output = true;
         const ProgramRun ran = run_program(words, options);
-        if (ran.exit_code == 127 && ran.output.empty()) {
-            throw reference::Error::missing_environment(words.front() + " cannot be started");
-        }
         if (ran.output.find("undefined reference to `main'") != std::string::npos) {
             throw reference::Error::bad_input(
                 "the program",

@@ -1,7 +1,5 @@
 #include "verify/kernel_check/translate.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <map>
 #include <set>
@@ -428,13 +426,11 @@ class Translator {
                            "__attribute__((used))" + (is_set ? " = {1};" : ";");
         for (const std::size_t i : names) {
             const std::string name(token(i).spelling);
-            text += fmt::format(
-                " static ::scotty_cuda::Variable scotty_variable_{0}_{1}(&{0}, sizeof({0}), "
-                "\"{0}\", ::scotty_cuda::Space::{2});",
-                name, next_++,
-                is_constant  ? "constant"
-                : is_managed ? "managed"
-                             : "device");
+            const char* const space = is_constant ? "constant" : is_managed ? "managed" : "device";
+            text.append(" static ::scotty_cuda::Variable scotty_variable_").append(name);
+            text.append("_").append(std::to_string(next_++)).append("(&").append(name);
+            text.append(", sizeof(").append(name).append("), \"").append(name);
+            text.append("\", ::scotty_cuda::Space::").append(space).append(");");
         }
         insert_behind(end, text);
     }

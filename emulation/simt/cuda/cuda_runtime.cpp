@@ -6,6 +6,7 @@
 #include <new>
 #include <string>
 
+#include "emulation/execution/cuda_errors.h"
 #include "emulation/simt/current_device.h"
 
 namespace scotty::emulation::simt::cuda {
@@ -42,30 +43,10 @@ cudaError_t cudaGetLastError() {
     return error;
 }
 
-const char* cudaGetErrorName(cudaError_t error) {
-    switch (error) {
-        case cudaSuccess:
-            return "cudaSuccess";
-        case cudaErrorInvalidValue:
-            return "cudaErrorInvalidValue";
-        case cudaErrorMemoryAllocation:
-            return "cudaErrorMemoryAllocation";
-        default:
-            return "cudaErrorLaunchFailure";
-    }
-}
+const char* cudaGetErrorName(cudaError_t error) { return cuda_error(error).name; }
 
 const char* cudaGetErrorString(cudaError_t error) {
-    switch (error) {
-        case cudaSuccess:
-            return "no error";
-        case cudaErrorInvalidValue:
-            return "invalid argument";
-        case cudaErrorMemoryAllocation:
-            return "out of memory";
-        default:
-            break;
-    }
+    if (error != cudaErrorLaunchFailure) return cuda_error(error).text;
     if (status() != cudaSuccess) cudaGetLastError();
     return told().c_str();
 }

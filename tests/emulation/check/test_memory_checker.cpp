@@ -1,4 +1,6 @@
 /// What the checker of memory accesses finds, and what it must not report.
+#include <algorithm>
+#include <cstring>
 
 #include "emulation/check/deliberate.h"
 #include "emulation/check/source_line.h"
@@ -74,6 +76,17 @@ SCOTTY_KERNEL(write_behind_shared)(std::uint32_t index) {
     if (thread_index() == 5) (&shared.at[0])[index] = 1;
     SCOTTY_RETURN;
 }
+/// Between two objects: `index` counts words from the first one's begin.
+SCOTTY_KERNEL(step_beyond_shared)(std::uint32_t index, bool reads, std::uint32_t* out) {
+    SCOTTY_SHARED(Words, first);
+    SCOTTY_SHARED(Words, second);
+    first.at[thread_index()] = 0;
+    second.at[thread_index()] = 1;
+    SCOTTY_SYNC();
+    if (thread_index() == 5 && reads) *out = (&first.at[0])[index];
+    if (thread_index() == 5 && !reads) (&first.at[0])[index] = 7;
+    SCOTTY_RETURN;
+}
 /// Blocks use the same piece of memory one after the other, which is not sharing.
 SCOTTY_KERNEL(own_shared)(std::uint32_t* out) {
     SCOTTY_SHARED(Words, shared);
@@ -101,6 +114,48 @@ SCOTTY_KERNEL(follow)(const std::uint32_t* indices, std::uint32_t* to) {
 }
 SCOTTY_KERNEL(look_nowhere)(const float* from, float* out) {
     if (thread_index() == 7) *out = load_relaxed(from);
+    SCOTTY_RETURN;
+}
+
+/// Copies of all sizes, by all means: thread 0 reads `words` words from one place and writes them
+/// to another. The means have to be heard like single words.
+enum class Means : std::uint8_t { record, memcpy_fixed, memcpy_any, memmove_any, copy, fill };
+template <std::size_t words>
+struct Record {
+    std::uint32_t at[words];
+};
+template <std::size_t words>
+void copy_by(Means means, const std::uint32_t* from, std::uint32_t* to, std::size_t bytes) {
+    switch (means) {
+        case Means::record:
+            *reinterpret_cast<Record<words>*>(to) = *reinterpret_cast<const Record<words>*>(from);
+            break;
+        case Means::memcpy_fixed:
+            std::memcpy(to, from, words * 4);
+            break;
+        case Means::memcpy_any:
+            std::memcpy(to, from, bytes);
+            break;
+        case Means::memmove_any:
+            std::memmove(to, from, bytes);
+            break;
+        case Means::copy:
+            std::copy(from, from + bytes / 4, to);
+            break;
+        case Means::fill:
+            std::memset(to, 0, bytes);
+            break;
+    }
+}
+SCOTTY_KERNEL(copy_words)
+(Means means, std::uint32_t words, const std::uint32_t* from, std::uint32_t* to) {
+    if (thread_index() == 0) {
+        const std::size_t bytes = words * sizeof(std::uint32_t);
+        if (words == 3) copy_by<3>(means, from, to, bytes);
+        if (words == 5) copy_by<5>(means, from, to, bytes);
+        if (words == 12) copy_by<12>(means, from, to, bytes);
+        if (words == 64) copy_by<64>(means, from, to, bytes);
+    }
     SCOTTY_RETURN;
 }
 
@@ -233,6 +288,49 @@ TEST_CASE("checker: memory that nobody has written, that is not there, or no mor
         }),
         says(
             "out of bounds, shared memory behind all of it, byte 176: thread 5 of block 0 writes"));
+}
+
+TEST_CASE("checker: a step beyond a shared object lands in no other", "[simt][checker]") {
+    Checked device({});
+    const auto step = [&](std::uint32_t index, bool reads) {
+        device.executor.launch("step_beyond_shared", 3, 32, step_beyond_shared, index, reads,
+                               device.memory);
+    };
+    step(30, true);
+    step(30, false);
+    CHECK_THAT(said([&] { step(256, true); }),
+               says("out of bounds, shared memory 0 bytes behind the end of first .1024 bytes.: "
+                    "thread 5 of block \\d reads it at tests/emulation/check"));
+    CHECK_THAT(said([&] { step(257, false); }),
+               says("out of bounds, shared memory 4 bytes behind the end of first .1024 bytes.: "
+                    "thread 5 of block \\d writes it at tests/emulation/check"));
+}
+
+TEST_CASE("checker: copies of any size, by any means, are heard as a whole", "[simt][checker]") {
+    for (const Means means : {Means::record, Means::memcpy_fixed, Means::memcpy_any,
+                              Means::memmove_any, Means::copy, Means::fill}) {
+        for (const std::uint32_t words : {3u, 5u, 12u, 64u}) {
+            CAPTURE(static_cast<int>(means), words);
+            Checked device({});
+            std::uint32_t* fresh = nullptr;
+            cudaMalloc(reinterpret_cast<void**>(&fresh), 4 * words);
+            label_memory(fresh, "fresh memory");
+            const auto copy = [&](const std::uint32_t* from, std::uint32_t* to) {
+                return said([&] {
+                    device.executor.launch("copy_words", 1, 32, copy_words, means, words, from, to);
+                });
+            };
+            if (means != Means::fill) {
+                CHECK_THAT(copy(fresh, device.memory), says("nobody has written fresh memory"));
+            }
+            CHECK_THAT(copy(device.memory, fresh + 1),
+                       says("out of bounds, 0 bytes behind the end of fresh memory"));
+            device.executor.launch("copy_words", 1, 32, copy_words, means, words, device.memory,
+                                   fresh);
+            device.executor.launch("read_word", 1, 32, read_word, fresh, words - 1, device.memory);
+            cudaFree(fresh);
+        }
+    }
 }
 
 TEST_CASE("checker: memory that the process does not have is named with the line that reached it",

@@ -223,6 +223,7 @@ TEST_CASE("volume checker: memory that nobody has written, that is not there, or
     DeviceBuffer<std::uint32_t> fresh(memory.device, "fresh memory");
     fresh.resize(10);
     std::uint32_t* const out = memory.words.data();
+    constexpr std::uint32_t kRead = __LINE__ + 3;
     const auto read = [&](const std::uint32_t* from) {
         return memory.error_of(
             1, 32, [&](const Block& block) { block.phase_thread_zero([&] { out[0] = *from; }); });
@@ -231,7 +232,7 @@ TEST_CASE("volume checker: memory that nobody has written, that is not there, or
     CHECK_THAT(read(at + 2),
                ContainsSubstring("nobody has written fresh memory, byte 8 of 40: thread 0 of "
                                  "block 0 reads it at " +
-                                 line(__LINE__ - 5)));
+                                 line(kRead)));
     fresh.fill(1);
     CHECK(read(at + 2) == "nothing");
     fresh.discard();
@@ -286,6 +287,7 @@ TEST_CASE("volume checker: memory that the process does not have is named with t
 
 TEST_CASE("volume checker: a slot written twice names both writers", "[simt][checker][volume]") {
     Memory memory({0, ScheduleKind::linear, 0}, BufferUse::each_slot_once);
+    constexpr std::uint32_t kFirst = __LINE__ + 2;
     const auto write_twice = [&](const Block& block) {
         block.phase_thread_zero([&] { memory.words[4] = 1; });
         block.phase(3, [&](std::uint32_t thread) {
@@ -294,11 +296,10 @@ TEST_CASE("volume checker: a slot written twice names both writers", "[simt][che
     };
     memory.words.discard();
     const std::string what = memory.error_of(1, 32, write_twice);
-    CHECK_THAT(
-        what, ContainsSubstring(
-                  "slot written twice, the test's words, byte 16 of 4096: thread 0 of "
-                  "block 0 writes it at " +
-                  line(__LINE__ - 9) + ", thread 2 of block 0 writes it at " + line(__LINE__ - 8)));
+    CHECK_THAT(what, ContainsSubstring(
+                         "slot written twice, the test's words, byte 16 of 4096: thread 0 of "
+                         "block 0 writes it at " +
+                         line(kFirst) + ", thread 2 of block 0 writes it at " + line(kFirst + 2)));
 }
 
 TEST_CASE("volume checker: relaxed reads that meet atomics are no race, and are counted",

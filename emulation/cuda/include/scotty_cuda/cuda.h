@@ -21,7 +21,6 @@
 #define __CUDACC_VER_MINOR__ 0
 #define CUDART_VERSION 12000
 #define __forceinline__ inline __attribute__((always_inline))
-#define __noinline__ __attribute__((noinline))
 #define __align__(bytes) __attribute__((aligned(bytes)))
 #define __launch_bounds__(...)
 #define __grid_constant__
