@@ -1,5 +1,6 @@
 """view_test.py PROGRAM: the view over its protocol, without a browser. Each check is a function; --list has their names, and
 names after PROGRAM choose some."""
+import base64
 import json
 import os
 import re
@@ -69,6 +70,44 @@ def render(command, folder, file="view.npy"):
     check(done.returncode == 0, f"{command}: {done.stderr}")
     with open(os.path.join(folder, file), "rb") as made:
         return made.read()
+
+
+def gltf_with_two_cameras():
+    """A triangle, and cameras in front of it and beside it."""
+    corners = struct.pack("<9f", -1, -1, 0, 1, -1, 0, 0, 1, 0)
+    return json.dumps({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1, 2]}],
+        "nodes": [{"mesh": 0}, {"name": "Front", "camera": 0, "translation": [0, 0, 4]},
+                  {"name": "Side", "camera": 0, "translation": [1, 0, 3]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1}}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64," + base64.b64encode(corners).decode()}]})
+
+
+def cameras_of_the_file():
+    """They are offered by name, and one of them is what scotty render makes of `FILE#camera=NAME`."""
+    with tempfile.TemporaryDirectory() as folder:
+        scene = os.path.join(folder, "two.gltf")
+        with open(scene, "w", encoding="utf-8") as file:
+            file.write(gltf_with_two_cameras())
+        with Program(program, scene, *SMALL) as view:
+            viewer = Viewer(view.link)
+            first = viewer.complete()
+            check(viewer.hello["scene"]["cameras"] == ["Front", "Side"], viewer.hello["scene"])
+            check(first.header["camera"]["position"] == [0, 0, 4], first.header["camera"])
+            number = viewer.send(type="own camera", number=1)
+            frame = viewer.frame_that(lambda h: h["shows"] >= number and h["samples"] == h["target"])
+            check(frame.header["camera"]["position"] == [1, 0, 3], frame.header["camera"])
+            saved = get(view.link, "picture.npy")[1]
+            size = ["--size", "64x48", "--spp", "8", "--backend", "emulator"]
+            made = render(shlex.join(["scotty", "render", scene + "#camera=Side", "-o", "view.exr", *size]), folder)
+            check(read_npy(made)[1] == read_npy(saved)[1], "not the bits of scotty render")
+            number = viewer.send(type="own camera", number=2)
+            refused = viewer.wait_for("error", lambda m: m["id"] == number)
+            check("no such camera" in refused["text"], refused)
+            viewer.close()
 
 
 def the_same_bits_as_render(backend="emulator"):
