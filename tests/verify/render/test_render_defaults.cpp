@@ -1,6 +1,6 @@
 /// What a back end is given where nobody asks for anything.
-#include <catch2/catch.hpp>
 
+#include "tests/catch.h"
 #include "tests/verify/capture_tools.h"
 #include "verify/render/render_defaults.h"
 
