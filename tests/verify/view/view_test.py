@@ -1,6 +1,5 @@
 """view_test.py PROGRAM: the view over its protocol, without a browser. Each check is a function; --list has their names, and
 names after PROGRAM choose some."""
-import base64
 import json
 import os
 import re
@@ -14,7 +13,7 @@ import time
 import urllib.parse
 import zlib
 
-from view_protocol import Closed, Frame, Program, Viewer, WebSocket, camera_of, get, run_checks, turned
+from view_protocol import Closed, Frame, Program, Viewer, WebSocket, camera_of, get, gltf_with_two_cameras, run_checks, turned
 
 program = None
 SMALL = ["--size", "64x48", "--spp", "8"]
@@ -70,20 +69,6 @@ def render(command, folder, file="view.npy"):
     check(done.returncode == 0, f"{command}: {done.stderr}")
     with open(os.path.join(folder, file), "rb") as made:
         return made.read()
-
-
-def gltf_with_two_cameras():
-    """A triangle, and cameras in front of it and beside it."""
-    corners = struct.pack("<9f", -1, -1, 0, 1, -1, 0, 0, 1, 0)
-    return json.dumps({
-        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1, 2]}],
-        "nodes": [{"mesh": 0}, {"name": "Front", "camera": 0, "translation": [0, 0, 4]},
-                  {"name": "Side", "camera": 0, "translation": [1, 0, 3]}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
-        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1}}],
-        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
-        "bufferViews": [{"buffer": 0, "byteLength": 36}],
-        "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64," + base64.b64encode(corners).decode()}]})
 
 
 def cameras_of_the_file():
