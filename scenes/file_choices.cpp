@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <string_view>
 
 #include "reference/base/error.h"
 #include "scenes/loaders.h"
@@ -11,12 +12,15 @@ namespace {
 
 /// Sets what "camera=fit" or another choice says. Returns false where it is none.
 bool apply(const std::string& choice, FileChoices& choices) {
+    constexpr std::string_view kCamera = "camera=";
     if (choice == "camera=file") {
         choices.camera = CameraChoice::file;
     } else if (choice == "camera=fit") {
         choices.camera = CameraChoice::fit;
     } else if (choice == "lights=none") {
         choices.default_lights = false;
+    } else if (choice.size() > kCamera.size() && choice.starts_with(kCamera)) {
+        choices.viewpoint = choice.substr(kCamera.size());
     } else {
         return false;
     }
@@ -38,8 +42,8 @@ FileChoices take_choices(std::string& path) {
                     whole,
                     fmt::format(
                         "'#{}' is not understood; expected #camera=file (the file's "
-                        "own), #camera=fit (frame everything), #camera=FILE.camera (what scotty "
-                        "view has saved) or #lights=none (add "
+                        "own), #camera=fit (frame everything), #camera=NAME (one of the file's), "
+                        "#camera=FILE.camera (what scotty view has saved) or #lights=none (add "
                         "no light where the file has none), or two of them with a "
                         "comma between",
                         choice));

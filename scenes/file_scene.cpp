@@ -218,10 +218,17 @@ Camera fit_camera(const Scene& scene, const Camera& direction_of) {
     return camera;
 }
 
-void settle_camera(Scene& scene, const std::optional<Camera>& own, CameraChoice choice,
+void settle_camera(Scene& scene, const std::vector<Viewpoint>& viewpoints, CameraChoice choice,
                    Notes& notes) {
-    if (own && choice != CameraChoice::fit) {
-        scene.camera = *own;
+    const bool has_own = !viewpoints.empty();
+    if (viewpoints.size() > 1) {
+        notes.add(
+            fmt::format("a further camera: the first one is used; #camera=NAME takes another: {}",
+                        names_of(viewpoints)),
+            viewpoints.size() - 1);
+    }
+    if (has_own && choice != CameraChoice::fit) {
+        scene.camera = viewpoints.front().camera;
         return;
     }
     if (choice == CameraChoice::file) {
@@ -233,8 +240,8 @@ void settle_camera(Scene& scene, const std::optional<Camera>& own, CameraChoice 
     // From the front, a little from above and the right.
     const Camera standard =
         look_at(Vec3(0.35f, 0.3f, 1.0f), Vec3(0.0f, 0.0f, 0.0f), Vec3(0.0f, 1.0f, 0.0f), 0.4f);
-    scene.camera = fit_camera(scene, own ? *own : standard);
-    if (!own) notes.add("no camera in the file: one was placed that frames the whole scene");
+    scene.camera = fit_camera(scene, has_own ? viewpoints.front().camera : standard);
+    if (!has_own) notes.add("no camera in the file: one was placed that frames the whole scene");
 }
 
 }  // namespace scotty::scenes

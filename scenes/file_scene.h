@@ -1,7 +1,7 @@
 /// What all file loaders do after reading: emitters, missing lights, missing cameras.
 #pragma once
 
-#include <optional>
+#include <vector>
 
 #include "reference/contract/scene.h"
 #include "scenes/loaders.h"
@@ -34,8 +34,9 @@ void add_default_lights(reference::Scene& scene, Notes& notes);
 /// size.
 reference::Camera fit_camera(const reference::Scene& scene, const reference::Camera& direction_of);
 
-/// Sets scene.camera: the file's own, or a fitted one where there is none or `choice` asks for it.
-void settle_camera(reference::Scene& scene, const std::optional<reference::Camera>& own,
+/// Sets scene.camera: the file's own, which is its first, or a fitted one where there is none or
+/// `choice` asks for it.
+void settle_camera(reference::Scene& scene, const std::vector<Viewpoint>& viewpoints,
                    CameraChoice choice, Notes& notes);
 
 }  // namespace scotty::scenes

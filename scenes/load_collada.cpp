@@ -24,7 +24,7 @@ class ColladaLoader {
  public:
     explicit ColladaLoader(const std::string& path) : document_(path) {}
 
-    Scene load(CameraChoice choice) {
+    Scene load(CameraChoice choice, std::vector<Viewpoint>& viewpoints) {
         const pugi::xml_node root = document_.root();
         note_animations(root);
         metres_ = metres_of(root.child("asset").child("unit"));
@@ -44,7 +44,8 @@ class ColladaLoader {
         scene_.file.meshes = meshes_.size();
         scene_.file.lights = scene_.lights.size();
         settle_emission(scene_, notes_);
-        settle_camera(scene_, camera_, settled(choice), notes_);
+        settle_camera(scene_, viewpoints_, settled(choice), notes_);
+        viewpoints = std::move(viewpoints_);
         notes_.write_to(scene_.warnings);
         return std::move(scene_);
     }
@@ -119,7 +120,7 @@ class ColladaLoader {
                 const auto light = read_light(document_, element, place, metres_, notes_);
                 if (light) scene_.lights.push_back(*light);
             } else if (kind == "instance_camera") {
-                take_camera(child, place);
+                take_camera(node, child, place);
             } else if (kind == "instance_controller") {
                 const pugi::xml_node controller = document_.target(child, "url", "controller");
                 add_controlled(child, controller, place, depth);
@@ -154,21 +155,27 @@ class ColladaLoader {
     /// rely on that (their own positions look out from floor height).
     CameraChoice settled(CameraChoice choice) {
         if (choice != CameraChoice::automatic) return choice;
-        if (!camera_ || !document_.made_for_scotty3d()) return choice;
+        if (viewpoints_.empty() || !document_.made_for_scotty3d()) return choice;
         notes_.add(
             "the camera frames the scene, as Scotty3D does with such files: "
             "#camera=file takes the file's own position");
         return CameraChoice::fit;
     }
 
-    void take_camera(pugi::xml_node instance, const Affine& place) {
+    void take_camera(pugi::xml_node node, pugi::xml_node instance, const Affine& place) {
         ++scene_.file.cameras;
-        if (camera_) {
-            notes_.add("a further camera: the first one is used");
-            return;
+        try {
+            const pugi::xml_node element = document_.target(instance, "url", "camera");
+            const auto camera = read_camera(document_, element, place, notes_);
+            const std::string name = node.attribute("name").as_string();
+            if (camera) {
+                add_viewpoint(viewpoints_,
+                              name.empty() ? element.attribute("name").as_string() : name, *camera);
+            }
+        } catch (const reference::Error& error) {
+            if (viewpoints_.empty()) throw;  // the scene's own
+            notes_.add(fmt::format("a further camera: left out ({})", error.what()));
         }
-        const pugi::xml_node element = document_.target(instance, "url", "camera");
-        camera_ = read_camera(document_, element, place, notes_);
     }
 
     /// Material index for a part's symbol, by the bindings of its instance.
@@ -241,7 +248,7 @@ class ColladaLoader {
     ColladaDocument document_;
     Scene scene_;
     Notes notes_;
-    std::optional<reference::Camera> camera_;
+    std::vector<Viewpoint> viewpoints_;
     std::map<std::string, std::uint32_t> materials_;
     std::map<std::string, ColladaMesh> meshes_;
     double metres_ = 1.0;
@@ -251,8 +258,9 @@ class ColladaLoader {
 
 }  // namespace
 
-Scene load_collada(const std::string& path, CameraChoice camera) {
-    return ColladaLoader(path).load(camera);
+Scene load_collada(const std::string& path, CameraChoice camera,
+                   std::vector<Viewpoint>& viewpoints) {
+    return ColladaLoader(path).load(camera, viewpoints);
 }
 
 }  // namespace scotty::scenes

@@ -20,7 +20,7 @@ class GltfLoader {
  public:
     explicit GltfLoader(const std::string& path) : document_(path, notes_) {}
 
-    Scene load(CameraChoice choice) {
+    Scene load(CameraChoice choice, std::vector<Viewpoint>& viewpoints) {
         const GltfObject root = document_.root();
         notes_.add("an animation is not supported: the scene stands still",
                    root.length("animations"));
@@ -37,7 +37,8 @@ class GltfLoader {
         scene_.file.instances = instances_.size();
         scene_.file.lights = scene_.lights.size();
         settle_emission(scene_, notes_);
-        settle_camera(scene_, camera_, choice, notes_);
+        settle_camera(scene_, viewpoints_, choice, notes_);
+        viewpoints = std::move(viewpoints_);
         notes_.write_to(scene_.warnings);
         return std::move(scene_);
     }
@@ -60,9 +61,10 @@ class GltfLoader {
         }
         if (const auto camera = node.whole("camera")) {
             ++scene_.file.cameras;
-            const auto read = read_gltf_camera(root.at("cameras", *camera, node), place, notes_);
-            if (read && camera_) notes_.add("a further camera: the first one is used");
-            if (read && !camera_) camera_ = read;
+            const GltfObject element = root.at("cameras", *camera, node);
+            const auto read = read_gltf_camera(element, place, notes_);
+            const std::string name = element.text("name", node.text("name", ""));
+            if (read) add_viewpoint(viewpoints_, name, *read);
         }
     }
 
@@ -144,7 +146,7 @@ class GltfLoader {
     Notes notes_;
     GltfDocument document_;
     Scene scene_;
-    std::optional<reference::Camera> camera_;
+    std::vector<Viewpoint> viewpoints_;
     std::vector<Instance> instances_;
     std::map<std::uint64_t, std::vector<GltfPrimitive>> meshes_;
     std::map<std::uint64_t, std::vector<Affine>> skins_;
@@ -153,8 +155,8 @@ class GltfLoader {
 
 }  // namespace
 
-Scene load_gltf(const std::string& path, CameraChoice camera) {
-    return GltfLoader(path).load(camera);
+Scene load_gltf(const std::string& path, CameraChoice camera, std::vector<Viewpoint>& viewpoints) {
+    return GltfLoader(path).load(camera, viewpoints);
 }
 
 }  // namespace scotty::scenes

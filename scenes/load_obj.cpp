@@ -69,7 +69,7 @@ class ObjLoader {
         if (scene_.triangles.empty()) throw no_triangles();
         scene_.file.meshes = scene_.file.instances = 1;
         settle_emission(scene_, notes_);
-        settle_camera(scene_, std::nullopt, choice, notes_);
+        settle_camera(scene_, {}, choice, notes_);
         notes_.write_to(scene_.warnings);
         return std::move(scene_);
     }

@@ -42,7 +42,7 @@ class PlyLoader {
         drop_unused_vertices(scene_, is_used_);
         scene_.file.meshes = scene_.file.instances = 1;
         settle_emission(scene_, notes_);
-        settle_camera(scene_, std::nullopt, choice, notes_);
+        settle_camera(scene_, {}, choice, notes_);
         notes_.write_to(scene_.warnings);
         return std::move(scene_);
     }

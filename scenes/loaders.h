@@ -3,8 +3,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "reference/contract/scene.h"
+#include "scenes/viewpoints.h"
 
 namespace scotty::scenes {
 
@@ -19,6 +21,7 @@ enum class CameraChoice {
 /// What the end of a specification says: "scene.dae#camera=fit,lights=none".
 struct FileChoices {
     CameraChoice camera = CameraChoice::automatic;
+    std::string viewpoint;       ///< the name of one of the file's cameras; empty: not chosen
     bool default_lights = true;  ///< whether a scene in which nothing shines is lit
 };
 
@@ -26,7 +29,8 @@ struct FileChoices {
 FileChoices take_choices(std::string& path);
 
 /// COLLADA with the Scotty3D extras. Throws reference::Error (bad_input) naming file and element.
-reference::Scene load_collada(const std::string& path, CameraChoice camera);
+reference::Scene load_collada(const std::string& path, CameraChoice camera,
+                              std::vector<Viewpoint>& viewpoints);
 
 /// OBJ with its material libraries. Throws reference::Error (bad_input) naming file and line.
 reference::Scene load_obj(const std::string& path, CameraChoice camera);
@@ -35,6 +39,7 @@ reference::Scene load_obj(const std::string& path, CameraChoice camera);
 reference::Scene load_ply(const std::string& path, CameraChoice camera);
 
 /// glTF 2.0 (.gltf, .glb). Throws reference::Error (bad_input) naming file and element.
-reference::Scene load_gltf(const std::string& path, CameraChoice camera);
+reference::Scene load_gltf(const std::string& path, CameraChoice camera,
+                           std::vector<Viewpoint>& viewpoints);
 
 }  // namespace scotty::scenes

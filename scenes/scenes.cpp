@@ -14,6 +14,7 @@
 #include "scenes/file_scene.h"
 #include "scenes/loaders.h"
 #include "scenes/mesh.h"
+#include "scenes/viewpoints.h"
 
 namespace scotty::scenes {
 
@@ -54,7 +55,25 @@ Error unknown_scene(const std::string& specification) {
                     names));
 }
 
-Scene load_file(const std::string& specification) {
+/// Where a file is looked at from one of its cameras, all else stays as it is from its first.
+void take_viewpoint(Scene& scene, const std::string& path, const std::string& name,
+                    const std::vector<Viewpoint>& viewpoints) {
+    const auto found =
+        std::find_if(viewpoints.begin(), viewpoints.end(),
+                     [&](const Viewpoint& viewpoint) { return viewpoint.name == name; });
+    if (found != viewpoints.end()) {
+        scene.camera = found->camera;
+        return;
+    }
+    const std::string others =
+        viewpoints.empty() ? "it has none" : fmt::format("it has {}", names_of(viewpoints));
+    throw Error::bad_input(
+        path, fmt::format("no camera '{}' in the file, {}; #camera=fit frames everything, "
+                          "#camera=FILE.camera is one that scotty view has saved",
+                          name, others));
+}
+
+Scene load_file(const std::string& specification, std::vector<Viewpoint>& viewpoints) {
     std::string path = specification;
     const FileChoices choices = take_choices(path);
     const std::string extension = lower_extension(path);
@@ -75,16 +94,16 @@ Scene load_file(const std::string& specification) {
                                                  "file, found the extension '{}'",
                                                  extension));
     }
-    const auto load = is_collada            ? load_collada
-                      : extension == ".obj" ? load_obj
-                      : extension == ".ply" ? load_ply
-                                            : load_gltf;
-    Scene scene = load(path, choices.camera);
+    Scene scene = is_collada            ? load_collada(path, choices.camera, viewpoints)
+                  : extension == ".obj" ? load_obj(path, choices.camera)
+                  : extension == ".ply" ? load_ply(path, choices.camera)
+                                        : load_gltf(path, choices.camera, viewpoints);
     if (choices.default_lights) {
         Notes notes;
         add_default_lights(scene, notes);
         notes.write_to(scene.warnings);
     }
+    if (!choices.viewpoint.empty()) take_viewpoint(scene, path, choices.viewpoint, viewpoints);
     scene.name = std::filesystem::path(path).filename().string();
     return scene;
 }
@@ -104,6 +123,12 @@ const std::vector<BuiltIn>& built_in_scenes() {
 }
 
 Scene load_scene(const std::string& specification) {
+    std::vector<Viewpoint> viewpoints;
+    return load_scene(specification, viewpoints);
+}
+
+Scene load_scene(const std::string& specification, std::vector<Viewpoint>& viewpoints) {
+    viewpoints.clear();
     std::string rest = specification;
     const std::optional<std::string> camera = take_camera_file(rest);
     const std::size_t colon = std::min(rest.find(':'), rest.size());
@@ -116,7 +141,7 @@ Scene load_scene(const std::string& specification) {
         scene = generator->generate(parameters);
         scene.name = name;
     } else {
-        scene = load_file(rest);
+        scene = load_file(rest, viewpoints);
     }
     if (camera) scene.camera = read_camera_file(*camera);
     finish_normals(scene);

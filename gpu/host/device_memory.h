@@ -91,7 +91,8 @@ std::vector<T> download(const T* device, std::size_t count, const char* name) {
     return host;
 }
 
-/// Host memory that the device copies to in one go. It is kept, as such memory is slow to get.
+/// Host memory that the device copies to on its own, while both do something else. It is kept, as
+/// such memory is slow to get.
 template <class T>
 class PinnedMemory {
  public:
@@ -100,17 +101,24 @@ class PinnedMemory {
     PinnedMemory(const PinnedMemory&) = delete;
     PinnedMemory& operator=(const PinnedMemory&) = delete;
 
-    std::vector<T> download(const T* device, std::size_t count, const char* name) {
-        if (count > capacity_) {
-            cudaFreeHost(memory_);
-            memory_ = nullptr;
-            capacity_ = 0;
-            check(cudaMallocHost(reinterpret_cast<void**>(&memory_), count * sizeof(T)), name);
-            capacity_ = count;
-        }
+    /// At least `count` elements; the content is lost when it has to grow.
+    T* resize(std::size_t count, const char* name) {
+        if (count <= capacity_) return memory_;
+        cudaFreeHost(memory_);
+        memory_ = nullptr;
+        capacity_ = 0;
+        check(cudaMallocHost(reinterpret_cast<void**>(&memory_), count * sizeof(T)), name);
+        capacity_ = count;
+        return memory_;
+    }
+    /// What is in the span after the stream's work until now.
+    std::span<const T> start_download(const T* device, std::size_t count, cudaStream_t stream,
+                                      const char* name) {
+        T* const memory = resize(count, name);
         if (count == 0) return {};
-        check(cudaMemcpy(memory_, device, count * sizeof(T), cudaMemcpyDeviceToHost), name);
-        return {memory_, memory_ + count};
+        check(cudaMemcpyAsync(memory, device, count * sizeof(T), cudaMemcpyDeviceToHost, stream),
+              name);
+        return {memory, count};
     }
 
  private:

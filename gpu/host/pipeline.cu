@@ -1,12 +1,15 @@
 #include <algorithm>
+#include <cstring>
 #include <string>
 
+#include "gpu/host/fused_paths.h"
 #include "gpu/host/path_state.h"
 #include "gpu/host/pipeline_build.h"
 #include "gpu/host/traversal.h"
 #include "gpu/kernels/dialect.h"
 #include "gpu/kernels/direct_light_rays.h"
 #include "gpu/kernels/filter_image.h"
+#include "gpu/kernels/fused_shading.h"
 #include "gpu/kernels/primary_rays.h"
 #include "gpu/kernels/reconstruct_image.h"
 #include "gpu/kernels/resolve_light.h"
@@ -47,6 +50,8 @@ bool are_coherent(std::span<const Ray> rays) {
     return 4 * near >= 3 * seen;
 }
 
+void plain_copy(void* to, const void* from, std::size_t bytes) { std::memcpy(to, from, bytes); }
+
 class Stream {
  public:
     Stream() { check(cudaStreamCreate(&stream_), "creating a stream"); }
@@ -59,6 +64,18 @@ class Stream {
     cudaStream_t stream_ = nullptr;
 };
 
+class Event {
+ public:
+    Event() { check(cudaEventCreate(&event_), "creating an event"); }
+    ~Event() { cudaEventDestroy(event_); }
+    Event(const Event&) = delete;
+    Event& operator=(const Event&) = delete;
+    cudaEvent_t get() const { return event_; }
+
+ private:
+    cudaEvent_t event_ = nullptr;
+};
+
 class DevicePipeline final : public reference::StagedPipeline {
  public:
     DevicePipeline(const reference::Scene& scene, const reference::WideBvh& bvh,
@@ -69,9 +86,11 @@ class DevicePipeline final : public reference::StagedPipeline {
           scene_(scene, bvh, budget_),
           log_(observer, options.timings),
           paths_(budget_),
+          fused_(budget_),
           traversal_(scene_, parameters_, budget_, log_, stream_.get()),
           trace_rays_(budget_),
-          trace_hits_(budget_) {
+          trace_hits_(budget_),
+          copy_(options.copy) {
         SCOTTY_ASSERT(bvh.width, ==, parameters.width);
         path_ = reference::path_parameters(parameters);
     }
@@ -91,12 +110,23 @@ class DevicePipeline final : public reference::StagedPipeline {
 
  private:
     void render_in_batches();
+    reference::Image take_picture();
+    void copy_pixels(std::span<const Vec3> from, std::vector<Vec3>& to) const {
+        if (from.empty()) return;
+        const auto copy = copy_ != nullptr ? copy_ : plain_copy;
+        copy(to.data(), from.data(), from.size_bytes());
+    }
+    reference::BufferView host_view(StageKind kind, const reference::BufferInfo& buffer,
+                                    HostCopies& copies);
     reference::StageLog& log() override { return log_; }
     void take_view(const reference::Camera& camera) override {
         scene_.set_camera(camera);
         path_ = reference::path_parameters(parameters_);
     }
-    void resize_paths(std::size_t rays) override { paths_.resize(rays); }
+    /// Whether a vertex is shaded in one launch: nobody looks at what its stages give.
+    bool is_fused() const;
+    void resize_paths(std::size_t rays) override;
+    void shade_vertex(StagePlace place) override;
     void launch_primary_rays(const StagePlace& place, const BatchView& batch) override;
     void launch_direct_light(const StagePlace& place) override;
     void launch_resolve_light(const StagePlace& place) override;
@@ -120,8 +150,9 @@ class DevicePipeline final : public reference::StagedPipeline {
         const std::uint32_t blocks = item_blocks(threads);
         log_.run(kind, place, blocks, items, stream_.get(), [&] { launch_kernel(blocks); });
         HostCopies copies;
-        log_.show(parameters_, kind, place, blocks, kItemThreads,
-                  [&](const reference::BufferInfo& buffer) { return paths_.view(buffer, copies); });
+        log_.show(
+            parameters_, kind, place, blocks, kItemThreads,
+            [&](const reference::BufferInfo& buffer) { return host_view(kind, buffer, copies); });
     }
 
     reference::PathParameters path_;
@@ -130,31 +161,32 @@ class DevicePipeline final : public reference::StagedPipeline {
     DeviceScene scene_;
     LaunchLog log_;
     PathState paths_;
+    FusedPaths fused_;
+    BatchView batch_{};  ///< in flight
     Traversal traversal_;
     DeviceMemory<Ray> trace_rays_;
     DeviceMemory<Hit> trace_hits_;
-    PinnedMemory<Vec3> picture_;
+    void (*copy_)(void* to, const void* from, std::size_t bytes);
+    PinnedMemory<Vec3> image_, variance_;
+    Event image_is_here_;
 };
 
 reference::Image DevicePipeline::render() {
     for (;;) {
         try {
             render_in_batches();
-            break;
+            return take_picture();
         } catch (const OutOfDeviceMemory& error) {
             if (parameters_.batch_rays <= kSmallestBatch) throw;
             cudaStreamSynchronize(stream_.get());
             traversal_.release();
             paths_.release();
+            fused_.release();
             halve_batches();
             log_.retry("", std::string(error.what()) + "; again with batches of " +
                                std::to_string(parameters_.batch_rays) + " rays");
         }
     }
-    return {parameters_.image_width, parameters_.image_height,
-            picture_.download(paths_.image.data(), pixel_count(), "the image"),
-            picture_.download(paths_.variance.data(), knows_variance() ? pixel_count() : 0,
-                              "the image's variance")};
 }
 
 void DevicePipeline::render_in_batches() {
@@ -166,7 +198,49 @@ void DevicePipeline::render_in_batches() {
               "clearing the image");
     }
     launch_render();
+}
+
+/// The host makes room while the device still renders, and copies the image while the variance is
+/// on its way.
+reference::Image DevicePipeline::take_picture() {
+    const std::size_t variances = knows_variance() ? pixel_count() : 0;
+    const auto image =
+        image_.start_download(paths_.image.data(), pixel_count(), stream_.get(), "the image");
+    check(cudaEventRecord(image_is_here_.get(), stream_.get()), "recording an event");
+    const auto variance = variance_.start_download(paths_.variance.data(), variances, stream_.get(),
+                                                   "the image's variance");
+    reference::Image picture{parameters_.image_width, parameters_.image_height, {}, {}};
+    picture.pixels.resize(image.size());
+    picture.variance.resize(variance.size());
+    check(cudaEventSynchronize(image_is_here_.get()), "rendering");
+    copy_pixels(image, picture.pixels);
     wait();
+    copy_pixels(variance, picture.variance);
+    return picture;
+}
+
+/// The picture's own buffers are shown where the device copies them to. Whoever does not follow
+/// launches is not shown what a picture is made of: the paths' radiance is many times as large.
+reference::BufferView DevicePipeline::host_view(StageKind kind, const reference::BufferInfo& buffer,
+                                                HostCopies& copies) {
+    namespace buffers = reference::buffers;
+    const auto of_picture = [&](const reference::Buffer<Vec3>& of, const DeviceMemory<Vec3>& from,
+                                PinnedMemory<Vec3>& to) {
+        const auto host =
+            to.start_download(from.data(), from.size(), stream_.get(), of.name.data());
+        wait();
+        return reference::buffer_view(of, host);
+    };
+    if (buffer.name == buffers::image.name) return of_picture(buffers::image, paths_.image, image_);
+    if (buffer.name == buffers::variance.name) {
+        return of_picture(buffers::variance, paths_.variance, variance_);
+    }
+    if (kind == StageKind::reconstruct_image && !log_.observed()) {
+        if (buffer.name == buffers::radiance.name)
+            return reference::buffer_view(buffers::radiance, {});
+        if (buffer.name == buffers::pixel.name) return reference::buffer_view(buffers::pixel, {});
+    }
+    return paths_.view(buffer, copies);
 }
 
 void DevicePipeline::trace_paths(const StagePlace& place) {
@@ -186,7 +260,67 @@ void DevicePipeline::trace_shadow_rays(const StagePlace& place, TraversalKind ki
     launch_resolve_light(place);
 }
 
+bool DevicePipeline::is_fused() const {
+    for (const StageKind kind : {StageKind::primary_rays, StageKind::direct_light_rays,
+                                 StageKind::resolve_light, StageKind::scene_rays}) {
+        if (log_.wants(kind)) return false;
+    }
+    return traversal_.is_one_launch() && FusedPaths::can_have(parameters_.light_samples);
+}
+
+void DevicePipeline::resize_paths(std::size_t rays) {
+    if (is_fused()) {
+        fused_.resize(paths_, rays, parameters_.light_samples);
+        fused_.pack(scene_.view(), stream_.get());
+    } else {
+        paths_.resize(rays);
+    }
+}
+
+void DevicePipeline::shade_vertex(StagePlace place) {
+    if (!is_fused()) {
+        StagedPipeline::shade_vertex(place);
+        return;
+    }
+    const std::uint32_t count = paths_.count();
+    const FusedPathView view = fused_.view(paths_);
+    static_assert(kMostFusedLights == 2);
+    launch(StageKind::direct_light_rays, place, count, count, [&](std::uint32_t blocks) {
+        if (parameters_.light_samples == 1) {
+            SCOTTY_LAUNCH(shade_fused_paths<1>, blocks, kItemThreads, stream_.get(), batch_,
+                          scene_.view(), path_, place.bounce, view);
+        } else {
+            SCOTTY_LAUNCH(shade_fused_paths<2>, blocks, kItemThreads, stream_.get(), batch_,
+                          scene_.view(), path_, place.bounce, view);
+        }
+    });
+    const bool coherent = place.bounce == 0;
+    for (place.light = 0; place.light < parameters_.light_samples; ++place.light) {
+        const std::size_t first = std::size_t{place.light} * count;
+        traversal_.run({view.shadow_rays + first, count, shadow_query(), coherent}, place,
+                       {nullptr, view.potential + first, view.radiance});
+    }
+    place.light = reference::kNotApplicable;
+    if (place.bounce < parameters_.bounces) {
+        ++place.bounce;
+        trace_paths(place);
+        return;
+    }
+    launch(StageKind::scene_rays, place, count, count, [&](std::uint32_t blocks) {
+        SCOTTY_LAUNCH(end_fused_paths, blocks, kItemThreads, stream_.get(), view);
+    });
+}
+
 void DevicePipeline::launch_primary_rays(const StagePlace& place, const BatchView& batch) {
+    batch_ = batch;
+    if (is_fused()) {
+        launch(StageKind::primary_rays, place, paths_.count(), paths_.count(),
+               [&](std::uint32_t blocks) {
+                   SCOTTY_LAUNCH(start_fused_paths, blocks, kItemThreads, stream_.get(), batch,
+                                 scene_.view().camera, path_, fused_.view(paths_));
+               });
+        return;
+    }
     launch(StageKind::primary_rays, place, batch.pixels, paths_.count(), [&](std::uint32_t blocks) {
         SCOTTY_LAUNCH(primary_rays, blocks, kItemThreads, stream_.get(), batch,
                       scene_.view().camera, path_, reference::path_view(paths_));

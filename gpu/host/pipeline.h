@@ -35,6 +35,9 @@ std::optional<DeviceInfo> find_device();
 struct PipelineOptions {
     bool timings = false;          ///< time every launch with events (LaunchRecord::seconds)
     std::size_t memory_limit = 0;  ///< bytes of device memory to stay within; 0: what there is
+    /// Copies from host memory to host memory; null: memcpy. One thread takes longer for a picture
+    /// than the device for its way to the host.
+    void (*copy)(void* to, const void* from, std::size_t bytes) = nullptr;
 };
 
 /// Scene and BVH are copied to the device. bvh.width == parameters.width. The kernels are those of

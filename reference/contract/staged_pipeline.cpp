@@ -94,11 +94,9 @@ void StagedPipeline::launch_batch(StagePlace place, const BatchView& batch) {
 }
 
 void StagedPipeline::shade_vertex(StagePlace place) {
-    const TraversalKind query =
-        parameters_.shadow_query == ShadowQuery::any ? TraversalKind::any : TraversalKind::closest;
     for (place.light = 0; place.light < parameters_.light_samples; ++place.light) {
         launch_direct_light(place);
-        trace_shadow_rays(place, query);
+        trace_shadow_rays(place, shadow_query());
     }
     place.light = kNotApplicable;
     launch_scene_rays(place);

@@ -26,11 +26,19 @@ class StagedPipeline : public PipelineInterface {
     /// before.
     void launch_render();
     bool filters() const;
+    TraversalKind shadow_query() const {
+        return parameters_.shadow_query == ShadowQuery::any ? TraversalKind::any
+                                                            : TraversalKind::closest;
+    }
     /// A filtered image has no variance, since neighbours share their noise; nor has one sample.
     bool knows_variance() const { return !filters() && parameters_.spp > 1; }
     std::uint32_t pixel_count() const { return parameters_.image_width * parameters_.image_height; }
     /// Throws bad_input naming the ray that traversal cannot take.
     static void expect_traceable(std::span<const Ray> rays);
+
+    /// From the hits of the paths' rays to those of the next: light samples, scattering, traversal.
+    /// A back end may have another way for renders that nobody follows.
+    virtual void shade_vertex(StagePlace place);
 
     /// Batches of half as many rays, now and after every look().
     void halve_batches() { most_batch_rays_ = parameters_.batch_rays /= 2; }
@@ -65,7 +73,6 @@ class StagedPipeline : public PipelineInterface {
     virtual void run_traversal_stage(const StageView& stage) = 0;
 
     void launch_batch(StagePlace place, const BatchView& batch);
-    void shade_vertex(StagePlace place);
     void launch_alone(const StageView& stage);
     void load_paths_of(const StageView& stage, const Buffer<Ray>& rays);
 

@@ -63,13 +63,14 @@ struct DirectLight {
     Vec3 potential;  ///< radiance to add to the pixel's path if nothing is in the way
 };
 
-/// One direct-light sample at a path vertex (the 2018 paper's "direct light ray generation").
-SCOTTY_HD DirectLight sample_direct_light(const SceneView& scene, const PathParameters& parameters,
-                                          const Ray& ray, const Hit& hit, const Vec3& throughput,
-                                          const Random4& random) {
-    const DirectLight nothing{dead_ray(), Vec3(0.0f, 0.0f, 0.0f)};
-    if (!is_hit(hit) || scene.light_count == 0) return nothing;
-    const Surface surface = surface_at(scene, ray, hit);
+SCOTTY_HD DirectLight no_direct_light() { return {dead_ray(), Vec3(0.0f, 0.0f, 0.0f)}; }
+
+/// One direct-light sample at the surface that a path has met in this direction.
+SCOTTY_HD DirectLight sample_light_at(const SceneView& scene, const PathParameters& parameters,
+                                      const Surface& surface, const Vec3& direction,
+                                      const Vec3& throughput, const Random4& random) {
+    const DirectLight nothing = no_direct_light();
+    if (scene.light_count == 0) return nothing;
     const Material& material = scene.materials[surface.material];
     if (is_smooth(material)) return nothing;
 
@@ -84,10 +85,18 @@ SCOTTY_HD DirectLight sample_direct_light(const SceneView& scene, const PathPara
     }
     const float weight = cosine * count / (kPi * static_cast<float>(parameters.light_samples));
     const Vec3 value =
-        evaluate_bsdf(material, ray.direction * -1.0f, light.direction, surface.shading_normal);
+        evaluate_bsdf(material, direction * -1.0f, light.direction, surface.shading_normal);
     const Vec3 potential = throughput * value * light.irradiance * weight;
     if (!(max_component(potential) > 0.0f)) return nothing;
     return {shadow_ray(surface, light), potential};
+}
+/// The same at a path vertex (the 2018 paper's "direct light ray generation").
+SCOTTY_HD DirectLight sample_direct_light(const SceneView& scene, const PathParameters& parameters,
+                                          const Ray& ray, const Hit& hit, const Vec3& throughput,
+                                          const Random4& random) {
+    if (!is_hit(hit) || scene.light_count == 0) return no_direct_light();
+    return sample_light_at(scene, parameters, surface_at(scene, ray, hit), ray.direction,
+                           throughput, random);
 }
 
 /// Russian roulette: the probability with which a path that carries this throughput goes on after
@@ -105,20 +114,26 @@ struct Scattered {
     std::uint32_t flags;
 };
 
-/// Emission at a path vertex and the next ray (the 2018 paper's "scene ray generation").
+SCOTTY_HD Scattered path_end() {
+    return {dead_ray(), Vec3(0.0f, 0.0f, 0.0f), Vec3(0.0f, 0.0f, 0.0f), 0};
+}
+
 /// A path that leaves the scene keeps what it has gathered.
-SCOTTY_HD Scattered scatter(const SceneView& scene, const PathParameters& parameters,
-                            std::uint32_t bounce, const Ray& ray, const Hit& hit,
-                            const Vec3& throughput, std::uint32_t flags, const Random4& random) {
-    Scattered end{dead_ray(), Vec3(0.0f, 0.0f, 0.0f), Vec3(0.0f, 0.0f, 0.0f), 0};
-    if ((flags & kPathAlive) == 0) return end;
-    if (!is_hit(hit)) {
-        if (counts_emission(bounce, flags, true, parameters)) {
-            end.emitted = throughput * distant_radiance(scene, ray.direction);
-        }
-        return end;
+SCOTTY_HD Scattered leave_scene(const SceneView& scene, const PathParameters& parameters,
+                                std::uint32_t bounce, const Vec3& direction, const Vec3& throughput,
+                                std::uint32_t flags) {
+    Scattered end = path_end();
+    if (counts_emission(bounce, flags, true, parameters)) {
+        end.emitted = throughput * distant_radiance(scene, direction);
     }
-    const Surface surface = surface_at(scene, ray, hit);
+    return end;
+}
+
+/// Emission and the next ray at the surface that a path has met in this direction.
+SCOTTY_HD Scattered scatter_at(const SceneView& scene, const PathParameters& parameters,
+                               std::uint32_t bounce, const Surface& surface, const Vec3& direction,
+                               const Vec3& throughput, std::uint32_t flags, const Random4& random) {
+    Scattered end = path_end();
     const Material& material = scene.materials[surface.material];
     if (surface.front &&
         counts_emission(bounce, flags, material.emission_is_sampled != 0, parameters)) {
@@ -127,14 +142,13 @@ SCOTTY_HD Scattered scatter(const SceneView& scene, const PathParameters& parame
     if (bounce >= parameters.bounces) return end;
 
     BsdfSample next =
-        sample_bsdf(material, ray.direction, surface.shading_normal, surface.front, random);
+        sample_bsdf(material, direction, surface.shading_normal, surface.front, random);
     // A smooth normal can send the ray through the surface it should leave, or back from the one
     // it should pass: smooth materials fall back to the flat normal, all others absorb.
     const bool crosses = dot(next.direction, surface.geometric_normal) < 0.0f;
     if (crosses != next.transmitted) {
         if (!is_smooth(material)) return end;
-        next =
-            sample_bsdf(material, ray.direction, surface.geometric_normal, surface.front, random);
+        next = sample_bsdf(material, direction, surface.geometric_normal, surface.front, random);
     }
     Vec3 carried = throughput * next.weight;
     if (!(max_component(carried) > 0.0f)) return end;
@@ -145,6 +159,18 @@ SCOTTY_HD Scattered scatter(const SceneView& scene, const PathParameters& parame
     }
     return {leave_surface(surface, next.direction, kInfinity), carried, end.emitted,
             kPathAlive | (next.specular ? kPathSpecular : 0u)};
+}
+
+/// Emission at a path vertex and the next ray (the 2018 paper's "scene ray generation").
+SCOTTY_HD Scattered scatter(const SceneView& scene, const PathParameters& parameters,
+                            std::uint32_t bounce, const Ray& ray, const Hit& hit,
+                            const Vec3& throughput, std::uint32_t flags, const Random4& random) {
+    if ((flags & kPathAlive) == 0) return path_end();
+    if (!is_hit(hit)) {
+        return leave_scene(scene, parameters, bounce, ray.direction, throughput, flags);
+    }
+    return scatter_at(scene, parameters, bounce, surface_at(scene, ray, hit), ray.direction,
+                      throughput, flags, random);
 }
 
 }  // namespace scotty::reference

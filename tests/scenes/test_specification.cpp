@@ -59,7 +59,9 @@ TEST_CASE("specification: a file that is not there, a directory, a foreign exten
     CHECK_THROWS_WITH(load_scene("/dev/null"), ContainsSubstring("expected a scene file"));
     CHECK_THROWS_WITH(load_scene("/etc/passwd"), ContainsSubstring("expected a .dae"));
     CHECK_THROWS_WITH(load_scene("/nowhere/scene.dae#camera=mine"),
-                      ContainsSubstring("#camera=file") && ContainsSubstring("#camera=fit"));
+                      ContainsSubstring("no such file"));
+    CHECK_THROWS_WITH(load_scene("/nowhere/scene.dae#camera="),
+                      ContainsSubstring("#camera=file") && ContainsSubstring("#camera=NAME"));
     for (const char* choice : {"#lights=some", "#", "#lights=none,", "#camera=fit,camera"}) {
         CHECK_THROWS_WITH(load_scene(std::string("/nowhere/scene.dae") + choice),
                           ContainsSubstring("#lights=none"));

@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "reference/base/error.h"
-#include "scenes/scenes.h"
+#include "scenes/viewpoints.h"
 #include "verify/base/stop_signal.h"
 #include "verify/commands/command.h"
 #include "verify/commands/options.h"
@@ -50,7 +50,7 @@ int run_view(ViewCommand command) {
     if (command.options.loop.threads != 0) {
         limit.emplace(tbb::global_control::max_allowed_parallelism, command.options.loop.threads);
     }
-    reference::Scene scene = scenes::load_scene(command.scene);
+    reference::Scene scene = scenes::load_scene(command.scene, command.options.viewpoints);
     for (const std::string& warning : scene.warnings) spdlog::warn("{}", warning);
     command.options.version = SCOTTY_VERSION;
     command.options.loop.is_given = command.is_given;

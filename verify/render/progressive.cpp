@@ -1,6 +1,9 @@
 #include "verify/render/progressive.h"
 
 #include <fmt/format.h>
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <optional>
@@ -8,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "emulation/host/pipeline.h"
+#include "emulation/kernels/filter_image.h"
 #include "reference/base/assert.h"
 #include "reference/contract/batch_plan.h"
 #include "reference/numerics/pixel_sums.h"
@@ -36,6 +39,23 @@ reference::BatchPlan plan_of(PipelineParameters parameters, std::uint64_t count)
     return reference::BatchPlan(parameters);
 }
 
+/// Calls f(first, end) for parts of a picture's pixels, in parallel.
+template <class F>
+void for_pixel_ranges(std::size_t pixels, const F& f) {
+    constexpr std::size_t kGrain = 1u << 14;
+    oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<std::size_t>(0, pixels, kGrain),
+                              [&](const oneapi::tbb::blocked_range<std::size_t>& range) {
+                                  f(range.begin(), range.end());
+                              });
+}
+
+void copy_pixels(std::span<const Vec3> from, std::vector<Vec3>& to) {
+    to.resize(from.size());
+    for_pixel_ranges(from.size(), [&](std::size_t first, std::size_t end) {
+        std::copy(&from[first], &from[first] + (end - first), &to[first]);
+    });
+}
+
 /// Keeps the sums of the last complete pass, which reconstruct_image shows.
 class Passes : public reference::StageObserver {
  public:
@@ -43,29 +63,26 @@ class Passes : public reference::StageObserver {
         : input_(input), parameters_(input.parameters), listener_(listener) {}
 
     bool wants(StageKind kind) const override {
-        return kind == StageKind::reconstruct_image && (shows_all() || samples_next_ != 0);
+        return kind == StageKind::reconstruct_image && samples_next_ != 0;
     }
     bool follows_launches() const override { return false; }
     void on_stage(const StageView& stage) override {
-        if (shows_all()) samples_next_ = samples_counted(stage);
         if (samples_next_ == 0) return;
         const auto image = stage.get(buffers::image);
         const auto deviations = stage.get(buffers::variance);
         SCOTTY_ASSERT(image.size(), ==,
                       std::size_t{parameters_.image_width} * parameters_.image_height);
-        sums_.assign(image.begin(), image.end());
-        deviations_.assign(deviations.begin(), deviations.end());
+        copy_pixels(image, sums_);
+        copy_pixels(deviations, deviations_);
         samples_ = samples_next_;
         listener_.on_pass(samples_, [this] { return picture(); });
     }
     void on_batch(std::uint64_t done, std::uint64_t count) override {
         if (done == count) return;
-        if (!shows_all()) {
-            if (done == 0) plan_.emplace(plan_of(parameters_, count));
-            samples_next_ = samples_of_pass_that_ends((*plan_)[done]);
-            const bool wanted = samples_next_ > samples_ && listener_.wants_pass(samples_next_);
-            if (!wanted) samples_next_ = 0;
-        }
+        if (done == 0) plan_.emplace(plan_of(parameters_, count));
+        samples_next_ = samples_of_pass_that_ends((*plan_)[done]);
+        const bool is_new = samples_next_ > samples_;
+        if (!is_new || !wants_pass(samples_next_)) samples_next_ = 0;
         if (listener_.stops(batch_text(done, count))) throw Stopped{};
     }
 
@@ -73,32 +90,26 @@ class Passes : public reference::StageObserver {
 
     /// As reconstruct_image and the filter make it.
     Image picture() const {
-        Image image{parameters_.image_width, parameters_.image_height, sums_, deviations_};
-        for (std::size_t p = 0; p < image.pixels.size(); ++p) {
-            reference::PixelSums sums{image.pixels[p], image.variance[p]};
-            finish(sums, samples_);
-            image.pixels[p] = sums.image;
-            image.variance[p] = sums.variance;
-        }
+        Image image{parameters_.image_width, parameters_.image_height, {}, {}};
+        oneapi::tbb::parallel_invoke([&] { image.pixels = sums_; },
+                                     [&] { image.variance = deviations_; });
+        for_pixel_ranges(image.pixels.size(), [&](std::size_t first, std::size_t end) {
+            for (std::size_t p = first; p < end; ++p) {
+                reference::PixelSums sums{image.pixels[p], image.variance[p]};
+                finish(sums, samples_);
+                image.pixels[p] = sums.image;
+                image.variance[p] = sums.variance;
+            }
+        });
         if (samples_ == 1) image.variance.clear();
         const bool smooth = parameters_.filter != reference::Filter::none &&
                             samples_ < parameters_.filter_threshold;
-        return smooth ? filtered_image(input_, image) : image;
+        return smooth ? filtered_image(image, parameters_.filter) : image;
     }
 
  private:
-    /// Where every batch is shown anyway, its pixels say what it completes.
-    bool shows_all() const { return listener_.wants_pass == nullptr; }
-    std::uint32_t samples_counted(const StageView& stage) {
-        const auto pixel = stage.get(buffers::pixel);
-        const std::uint32_t last = parameters_.image_width * parameters_.image_height - 1;
-        // A render that ran out of memory begins again, with smaller batches.
-        if (stage.batch == 0) of_last_pixel_ = 0;
-        of_last_pixel_ += static_cast<std::uint32_t>(std::count(pixel.begin(), pixel.end(), last));
-        const bool ends = of_last_pixel_ > samples_ &&
-                          of_last_pixel_ % samples_of_pass(parameters_) == 0 &&
-                          of_last_pixel_ < parameters_.spp;
-        return ends ? of_last_pixel_ : 0;
+    bool wants_pass(std::uint32_t samples) const {
+        return listener_.wants_pass == nullptr || listener_.wants_pass(samples);
     }
     /// Of each pixel, when this batch is done; 0 where it ends no pass, or the last: with the last
     /// sample the sums become means, and the pipeline's own image is next.
@@ -114,24 +125,24 @@ class Passes : public reference::StageObserver {
     const PipelineParameters& parameters_;
     const ProgressiveListener& listener_;
     std::optional<reference::BatchPlan> plan_;
-    std::uint32_t of_last_pixel_ = 0;  ///< samples added to the image's last pixel
-    std::uint32_t samples_next_ = 0;   ///< that the batch in flight completes and that are shown
-    std::uint32_t samples_ = 0;        ///< of each pixel of sums_
+    std::uint32_t samples_next_ = 0;  ///< that the batch in flight completes and that are shown
+    std::uint32_t samples_ = 0;       ///< of each pixel of sums_
     std::vector<Vec3> sums_, deviations_;
 };
 
 }  // namespace
 
-Image filtered_image(const PipelineInput& input, const Image& image) {
-    StageView stage;
-    stage.kind = StageKind::filter;
-    stage.name = to_string(stage.kind);
-    stage.inputs = {reference::buffer_view(buffers::image, std::span<const Vec3>(image.pixels))};
-    const auto outputs =
-        emulation::Pipeline(input.scene, input.bvh, input.parameters).run_stage(stage);
-    SCOTTY_ASSERT(outputs.size(), ==, 1u);
-    const auto* pixels = reinterpret_cast<const Vec3*>(outputs[0].bytes.data());
-    return {image.width, image.height, {pixels, pixels + image.pixels.size()}};
+Image filtered_image(const Image& image, reference::Filter filter) {
+    Image filtered{image.width, image.height, {}, {}};
+    filtered.pixels.resize(image.pixels.size());
+    const emulation::FilterView view{image.width, image.height, image.pixels.data(),
+                                     filtered.pixels.data()};
+    for_pixel_ranges(image.pixels.size(), [&](std::size_t first, std::size_t end) {
+        for (std::size_t p = first; p < end; ++p) {
+            emulation::filter_image(static_cast<std::uint32_t>(p), filter, view);
+        }
+    });
+    return filtered;
 }
 
 std::string batch_text(std::uint64_t done, std::uint64_t count) {

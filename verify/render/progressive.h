@@ -59,7 +59,9 @@ class ProgressiveRenderer {
 ProgressiveImage render_progressively(const Backend& backend, const PipelineInput& input,
                                       const ProgressiveListener& listener);
 
-/// `image` as the filter of input.parameters makes it, in the same bits on every back end.
-reference::Image filtered_image(const PipelineInput& input, const reference::Image& image);
+/// `image` as the filter, which is not none, makes it, by the emulator's kernel: in the bits of the
+/// stage on every back end,
+/// without a variance, since neighbours share their noise.
+reference::Image filtered_image(const reference::Image& image, reference::Filter filter);
 
 }  // namespace scotty::verify

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "reference/base/assert.h"
 #include "reference/contract/parameter_table.h"
 
 namespace scotty::verify {
@@ -19,10 +20,11 @@ using reference::ParameterInfo;
 constexpr std::uint64_t kBytesPerPath = 1024;
 constexpr std::uint64_t kMostPaths = 1u << 22;
 
-std::uint64_t device_batch(const Backend& backend, const reference::PipelineParameters& p) {
-    const std::uint64_t paths = std::uint64_t{p.image_width} * p.image_height * p.spp;
+/// Buffers are as large as a batch, which a small picture does not fill.
+std::uint64_t device_batch(const Backend& backend) {
+    SCOTTY_ASSERT(backend.free_memory, >, 0u);  // or batches would be small, and nobody would know
     const std::uint64_t room = backend.free_memory / 2 / kBytesPerPath;
-    return std::clamp<std::uint64_t>(std::min(paths, room), 1u << 16, kMostPaths);
+    return std::clamp<std::uint64_t>(room, 1u << 16, kMostPaths);
 }
 
 }  // namespace
@@ -41,7 +43,7 @@ void set_render_defaults(const Backend& backend, reference::PipelineParameters& 
         fastest.insert(fastest.end(), {{&parameter("queue_levels"), 1}, {&parameter("width"), 4}});
     }
     if (backend.name == "cuda") {
-        fastest.emplace_back(&parameter("batch_rays"), device_batch(backend, p));
+        fastest.emplace_back(&parameter("batch_rays"), device_batch(backend));
     }
     for (const auto& [info, value] : fastest) {
         if (!is_given(info->option)) info->set(p, value);

@@ -8,8 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include "verify/render/progressive.h"
 #include "verify/view/display.h"
 #include "verify/view/view_json.h"
+#include "verify/view/view_measures.h"
 
 namespace scotty::verify {
 namespace {
@@ -31,13 +33,29 @@ std::string without_brace(const nlohmann::json& object) {
     return text;
 }
 
+/// Sets the legend of false colours.
+ColorImage colors_of(ShownPicture& picture) {
+    if (!picture.image) return std::move(picture.colors);
+    const ViewState& shows = picture.shows;
+    if (shows.subject == ViewSubject::variance) {
+        return false_colors(variance_of(*picture.image), picture.legend);
+    }
+    const auto map = [&](const reference::Image& image) {
+        return to_srgb(image, shows.exposure, shows.tone, /*exact=*/picture.at_rest);
+    };
+    return picture.filter == reference::Filter::none
+               ? map(*picture.image)
+               : map(filtered_image(*picture.image, picture.filter));
+}
+
 }  // namespace
 
-std::shared_ptr<EncodedFrame> encode_frame(const ViewModule& module, const ShownPicture& picture) {
-    const bool has_colors = picture.image.pixels.empty();
-    const ColorImage colors = has_colors ? picture.colors
-                                         : to_srgb(picture.image, picture.shows.exposure,
-                                                   picture.shows.tone, /*exact=*/picture.at_rest);
+std::shared_ptr<EncodedFrame> encode_frame(const ViewModule& module, ShownPicture picture) {
+    nlohmann::json measures;
+    if (picture.image && picture.at_rest) {
+        measures = {{"hash", hash_of(*picture.image)}, {"noise", noise_of(*picture.image)}};
+    }
+    const ColorImage colors = colors_of(picture);
     const bool lossless = picture.at_rest;
     const std::uint32_t rows = rows_of_strip(colors.height);
     const std::uint32_t count = (colors.height + rows - 1) / rows;
@@ -57,6 +75,7 @@ std::shared_ptr<EncodedFrame> encode_frame(const ViewModule& module, const Shown
         frame->payload += strips[i];
     }
     nlohmann::json header = frame_json(picture);
+    if (!measures.is_null()) header.update(measures);
     header["type"] = lossless ? "image/png" : "image/jpeg";
     header["width"] = colors.width;
     header["height"] = colors.height;
@@ -94,11 +113,11 @@ void Encoder::run() {
     while (true) {
         wake_.wait(lock, [this] { return stop_ || newest_.has_value(); });
         if (stop_) return;
-        const ShownPicture picture = std::move(*newest_);
+        ShownPicture picture = std::move(*newest_);
         newest_.reset();
         lock.unlock();
         const auto begin = Clock::now();
-        auto frame = encode_frame(module_, picture);
+        auto frame = encode_frame(module_, std::move(picture));
         frame->number = ++frames_;
         const auto end = Clock::now();
         const double between = std::chrono::duration<double>(end - last).count();

@@ -23,8 +23,9 @@ struct EncodedFrame : ViewFrame {
 };
 
 /// "type":"image/jpeg" where it moves, "image/png" at rest, in strips of rows, top to bottom, that
-/// are encoded in parallel.
-std::shared_ptr<EncodedFrame> encode_frame(const ViewModule& module, const ShownPicture& picture);
+/// are encoded in parallel. The filter, false colours of the variance, hash and noise of a picture
+/// at rest are made here, too, so that no renderer waits for them.
+std::shared_ptr<EncodedFrame> encode_frame(const ViewModule& module, ShownPicture picture);
 
 class Encoder {
  public:

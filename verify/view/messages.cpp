@@ -139,7 +139,11 @@ ViewMessage parse_message(std::string_view text) {
     if (type == "camera") {
         out.what = look_at(message);
     } else if (type == "own camera") {
-        out.what = OwnCamera{};
+        OwnCamera own;
+        if (const json* number = find(message, "number")) {
+            own.number = static_cast<std::uint32_t>(count(*number, "number", 65535));
+        }
+        out.what = own;
     } else if (type == "frame all") {
         out.what = FrameAll{};
     } else if (type == "set") {

@@ -28,8 +28,11 @@ struct LookAt {
     float tan_half_fov = 0.5f;
     bool moving = false;  ///< more of these will follow at once
 };
-/// The scene's own camera again, bit for bit, or all of the scene from where the camera looks.
-struct OwnCamera {};
+/// The scene's own camera again, bit for bit, or one of the file's by its place in `hello`.
+struct OwnCamera {
+    std::optional<std::uint32_t> number;
+};
+/// All of the scene from where the camera looks.
 struct FrameAll {};
 /// Names and values of parameters (reference/contract/parameter_table.h), "size" as "640x480",
 /// "backend" and "moving_samples".

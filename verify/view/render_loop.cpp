@@ -153,9 +153,7 @@ class RenderLoop::State {
     }
 
     void set_defaults(ViewState& state) const {
-        Backend named;
-        named.name = state.backend;
-        named.free_memory = free_memory_;
+        const Backend named = make_backend(state.backend, options_.threads);
         if (is_cpu(state.backend) && !given_("--batch-rays")) {
             state.parameters.batch_rays =
                 state.backend == "simt" ? kCpuBatchRays / 8 : kCpuBatchRays;
@@ -186,7 +184,6 @@ class RenderLoop::State {
     RenderLoopEvents events_;
     std::function<bool(std::string_view)> given_;
     std::vector<std::string> given_later_;
-    std::size_t free_memory_ = 0;
     reference::Camera own_camera_;
 
     mutable std::mutex mutex_;
@@ -302,7 +299,6 @@ void RenderLoop::State::make(const ViewState& state) {
             build_wide_bvh(input_.scene, bvh_parameters(state.parameters, options_.threads));
     }
     backend_ = make_backend(state.backend, options_.threads);
-    free_memory_ = backend_.free_memory;
     renderer_ = std::make_unique<ProgressiveRenderer>(backend_, input_, state.measured);
     made_ = state;
     seconds_per_path_ = 0.0;
@@ -415,17 +411,18 @@ void RenderLoop::State::render_moving(const ViewState& state, std::uint64_t numb
     renderer_->pipeline().clear_launches();
     const auto start = Clock::now();
     ShownPicture shown;
-    shown.image = renderer_
-                      ->render({[](std::uint32_t, const std::function<Image()>&) {},
-                                [](const std::string&) { return false; },
-                                [](std::uint32_t) { return false; }})
-                      .image;
+    shown.image = std::make_shared<const Image>(
+        renderer_
+            ->render({[](std::uint32_t, const std::function<Image()>&) {},
+                      [](const std::string&) { return false; },
+                      [](std::uint32_t) { return false; }})
+            .image);
     const PipelineParameters& p = input_.parameters;
-    if (state.backend == "embree" && p.filter != Filter::none && p.spp < p.filter_threshold) {
-        shown.image = filtered_image(input_, shown.image);  // Embree's renderer has none
+    if (state.backend == "embree" && p.spp < p.filter_threshold) {
+        shown.filter = p.filter;  // Embree's renderer has none
     }
     const double seconds = seconds_since(start);
-    const double paths = static_cast<double>(shown.image.pixels.size()) * input_.parameters.spp;
+    const double paths = static_cast<double>(shown.image->pixels.size()) * p.spp;
     const double measured = seconds / paths;
     seconds_per_path_ =
         seconds_per_path_ == 0.0 ? measured : 0.7 * seconds_per_path_ + 0.3 * measured;
@@ -435,10 +432,6 @@ void RenderLoop::State::render_moving(const ViewState& state, std::uint64_t numb
     shown.render_seconds = seconds;
     shown.samples_per_second = paths / seconds;
     fill_statistics(shown);
-    if (state.subject == ViewSubject::variance) {
-        shown.colors = false_colors(variance_of(shown.image), shown.legend);
-        shown.image = {};
-    }
     shown_number_ = number;
     shown_at_rest_ = false;
     events_.shown(std::move(shown));
@@ -489,29 +482,15 @@ void RenderLoop::State::keep(Image&& image, std::uint32_t samples, const ViewSta
 
 void RenderLoop::State::show_kept(const ViewState& state, std::uint64_t number) {
     ShownPicture shown;
-    const Image& image = *kept_;
+    shown.image = kept_;
     shown.samples = kept_samples_;
-    shown.hash = hash_of(image);
-    shown.noise = noise_of(image);
     const PipelineParameters& p = state.parameters;
-    const bool smooth =
-        state.filtered && p.filter != Filter::none && kept_samples_ < p.filter_threshold;
-    if (state.subject == ViewSubject::variance) {
-        shown.colors = false_colors(variance_of(image), shown.legend);
-    } else if (smooth) {
-        const PipelineParameters before = input_.parameters;
-        input_.parameters.filter = p.filter;
-        input_.parameters.filter_threshold = p.filter_threshold;
-        shown.image = filtered_image(input_, image);
-        input_.parameters = before;
-    } else {
-        shown.image = image;
-    }
+    if (state.filtered && kept_samples_ < p.filter_threshold) shown.filter = p.filter;
     shown.state = number;
     shown.shows = state;
     shown.at_rest = true;
     shown.render_seconds = kept_seconds_;
-    shown.samples_per_second = kept_seconds_ > 0.0 ? static_cast<double>(image.pixels.size()) *
+    shown.samples_per_second = kept_seconds_ > 0.0 ? static_cast<double>(kept_->pixels.size()) *
                                                          kept_samples_ / kept_seconds_
                                                    : 0.0;
     shown.statistics = kept_statistics_;

@@ -41,14 +41,14 @@ struct ViewState {
 /// A picture for the viewers.
 struct ShownPicture {
     std::uint64_t state = 0;  ///< the state it shows; states count from 1
-    reference::Image image;   ///< radiance; empty where there are colours instead
+    /// Radiance; null where there are colours instead. At rest it is unfiltered.
+    std::shared_ptr<const reference::Image> image;
+    reference::Filter filter = reference::Filter::none;  ///< that is to be applied to it
     ColorImage colors;
     ColorLegend legend;
     ViewState shows;
     std::uint32_t samples = 0;
     bool at_rest = false;  ///< of full size
-    std::string hash;      ///< of the radiance of a picture at rest, unfiltered
-    double noise = 0.0;    ///< relative standard error of the whole picture; 0: not known
     double render_seconds = 0.0;
     double samples_per_second = 0.0;
     nlohmann::json statistics;

@@ -78,16 +78,15 @@ json frame_json(const ShownPicture& picture) {
              {"what", to_string(state.subject)},
              {"backend", state.backend},
              {"camera", camera_json(camera)},
-             {"noise", picture.noise},
              {"render_seconds", picture.render_seconds},
              {"samples_per_second", picture.samples_per_second},
              {"device_bytes", picture.device_bytes},
              {"statistics", picture.statistics}};
+    out["noise"] = 0.0;  // not known
     out["filter"] = state.filtered && p.filter != reference::Filter::none &&
                             picture.samples < p.filter_threshold
                         ? to_string(p.filter)
                         : "none";
-    if (!picture.hash.empty()) out["hash"] = picture.hash;
     if (!picture.legend.unit.empty()) {
         out["legend"] = {{"low", picture.legend.low},
                          {"high", picture.legend.high},

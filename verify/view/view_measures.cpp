@@ -1,6 +1,8 @@
 #include "verify/view/view_measures.h"
 
 #include <fmt/format.h>
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_reduce.h>
 #include <xxhash.h>
 
 #include <algorithm>
@@ -27,15 +29,26 @@ double luminance(const Vec3& v) {
 
 double noise_of(const Image& image) {
     if (image.variance.empty()) return 0.0;
-    double variance = 0.0;
-    double mean = 0.0;
-    for (std::size_t p = 0; p < image.pixels.size(); ++p) {
-        variance += luminance(image.variance[p]);
-        mean += luminance(image.pixels[p]);
-    }
-    const auto pixels = static_cast<double>(image.pixels.size());
-    mean /= 3.0 * pixels;
-    return mean > 0.0 ? std::sqrt(variance / (3.0 * pixels)) / mean : 0.0;
+    struct Sums {
+        double variance = 0.0;
+        double radiance = 0.0;
+    };
+    constexpr std::size_t kGrain = 1u << 14;
+    const Sums sums = oneapi::tbb::parallel_deterministic_reduce(
+        oneapi::tbb::blocked_range<std::size_t>(0, image.pixels.size(), kGrain), Sums{},
+        [&](const oneapi::tbb::blocked_range<std::size_t>& range, Sums part) {
+            for (std::size_t p = range.begin(); p != range.end(); ++p) {
+                part.variance += luminance(image.variance[p]);
+                part.radiance += luminance(image.pixels[p]);
+            }
+            return part;
+        },
+        [](const Sums& a, const Sums& b) {
+            return Sums{a.variance + b.variance, a.radiance + b.radiance};
+        });
+    const double channels = 3.0 * static_cast<double>(image.pixels.size());
+    const double mean = sums.radiance / channels;
+    return mean > 0.0 ? std::sqrt(sums.variance / channels) / mean : 0.0;
 }
 
 std::string hash_of(const Image& image) {

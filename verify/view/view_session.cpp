@@ -261,6 +261,9 @@ void ViewSession::State::joined(ViewerId viewer) {
     loop_.set_viewers(count);
     json hello = hello_json(loop_.scene());
     hello["version"] = options_.version;
+    json& cameras = hello["scene"]["cameras"] = json::array();
+    for (const scenes::Viewpoint& viewpoint : options_.viewpoints)
+        cameras.push_back(viewpoint.name);
     send_to(viewer, hello);
     tell_state();
 }
@@ -325,8 +328,14 @@ void ViewSession::State::carry_out(ViewerId viewer, const ViewMessage& message) 
     if (const auto* look = std::get_if<LookAt>(&message.what)) {
         note(viewer, loop_.look(camera_of(*look), look->moving), id);
         if (!look->moving) tell_state();
-    } else if (std::get_if<OwnCamera>(&message.what) != nullptr) {
-        note(viewer, loop_.own_camera(), id);
+    } else if (const auto* own = std::get_if<OwnCamera>(&message.what)) {
+        if (own->number && *own->number >= options_.viewpoints.size()) {
+            throw Error::bad_input("number", "the file has no such camera");
+        }
+        note(viewer,
+             own->number ? loop_.look(options_.viewpoints[*own->number].camera, false)
+                         : loop_.own_camera(),
+             id);
         tell_state();
     } else if (std::get_if<FrameAll>(&message.what) != nullptr) {
         note(viewer, loop_.frame_all(), id);

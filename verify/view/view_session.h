@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "reference/contract/scene.h"
+#include "scenes/viewpoints.h"
 #include "verify/view/render_loop.h"
 #include "verify/view_module/view_module.h"
 
@@ -17,6 +19,7 @@ struct ViewOptions {
     std::uint16_t port = 0;
     std::string token;  ///< empty: a random one
     std::string version;
+    std::vector<scenes::Viewpoint> viewpoints;  ///< the cameras of the scene's file
     RenderLoopOptions loop;
 };
 

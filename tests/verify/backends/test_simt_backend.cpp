@@ -28,6 +28,45 @@ TEST_CASE("simt: a run and every stage alone give what the emulator gave", "[ver
     }
 }
 
+/// Two squares that glow and light each other: all that is met is both lit and a light.
+PipelineInput glowing_squares(const reference::PipelineParameters& p) {
+    const TemporaryFolder folder;
+    spill(folder / "a.mtl", "newmtl glow\nKd 0.6 0.3 0.1\nKe 0.7 1.3 2.9\n");
+    spill(folder / "a.obj",
+          "mtllib a.mtl\nusemtl glow\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n"
+          "v -1 -1 3\nv -1 1 3\nv 1 1 3\nv 1 -1 3\nf 5 6 7 8\n");
+    PipelineInput input;
+    input.scene = scenes::load_scene((folder / "a.obj").string());
+    input.scene.camera.position = reference::Vec3(0.0f, 0.0f, 2.5f);
+    input.scene.camera.forward = reference::Vec3(0.0f, 0.0f, -1.0f);
+    input.scene.camera.right = reference::Vec3(1.0f, 0.0f, 0.0f);
+    input.scene.camera.up = reference::Vec3(0.0f, 1.0f, 0.0f);
+    input.bvh = build_wide_bvh(input.scene, bvh_parameters(p, 0));
+    input.parameters = p;
+    return input;
+}
+
+TEST_CASE("simt: light and emission of a vertex add up in the stages' order where nobody watches",
+          "[verify][simt]") {
+    reference::PipelineParameters p = small_parameters();
+    p.queue_levels = 1;
+    p.spp = 4;
+    for (const std::uint32_t lights : {0u, 1u, 2u, 3u}) {
+        for (const std::uint32_t bounces : {0u, 2u}) {
+            INFO(lights << " lights, " << bounces << " bounces");
+            p.light_samples = lights;
+            p.bounces = bounces;
+            p.batch_rays = 100;
+            const PipelineInput input = glowing_squares(p);
+            const reference::Image expected = backend_named("emulator", 1).render(input, nullptr);
+            const reference::Image found = backend_named("simt", 1).render(input, nullptr);
+            CHECK(found.pixels == expected.pixels);
+            CHECK(found.variance == expected.variance);
+            CHECK(reference::max_component(expected.pixels[70]) > 1.0f);
+        }
+    }
+}
+
 TEST_CASE("simt: what was spoiled in a capture is found", "[verify][simt]") {
     const TemporaryFolder folder;
     const Capture capture = make_capture(folder / "c", small_parameters(), [](StageCopies& stages) {

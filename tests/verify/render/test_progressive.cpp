@@ -200,7 +200,6 @@ TEST_CASE("progressive: a render that begins again with smaller batches counts a
                                    const PipelineParameters& whole, StageObserver* observer) {
             const Backend emulator = backend_named("emulator", 0);
             PipelineParameters p = whole;
-            p.batch_rays = 41;  // 4 batches a pass, and then 8
             if (observer == nullptr) return emulator.make(scene, bvh, p, {})->render();
             try {
                 Until until(*observer);
@@ -210,7 +209,9 @@ TEST_CASE("progressive: a render that begins again with smaller batches counts a
             }
             return emulator.make(scene, bvh, p, {.observer = observer})->render();
         });
-    check_passes(out_of_memory, passes_of(1, 6), {1, 2, 3, 4, 5});
+    PipelineParameters p = passes_of(1, 6);
+    p.batch_rays = 41;  // 4 batches a pass, and then 8
+    check_passes(out_of_memory, p, {1, 2, 3, 4, 5});
 }
 
 TEST_CASE("stop signals: the first is noted, the second is the system's, and all is put back",

@@ -3,9 +3,10 @@ keys. Exit code 77 without Chromium. --pictures keeps screenshots. --list has th
 import os
 import shutil
 import sys
+import tempfile
 
 from browser import Browser
-from view_protocol import Program, get, run_checks
+from view_protocol import Program, get, gltf_with_two_cameras, run_checks
 
 program = pictures = None
 COMPLETE = "view.header && view.header.rest && view.header.samples === view.header.target && !view.dragging"
@@ -103,11 +104,30 @@ def a_hand_moves_the_camera(browser):
         check(not page.faults, page.faults)
 
 
+def cameras_of_a_file_are_offered(browser):
+    with tempfile.TemporaryDirectory() as folder:
+        scene = os.path.join(folder, "two.gltf")
+        with open(scene, "w", encoding="utf-8") as file:
+            file.write(gltf_with_two_cameras())
+        with Program(program, scene, "--size", "64x48", "--spp", "2") as view:
+            page = browser.page(view.link)
+            looks_complete(page)
+            check(not page.ask("byId('cameras-field').hidden"), "two cameras, and no list of them")
+            check(page.ask("[...byId('cameras').options].map((o) => o.textContent)") == ["choose", "Front", "Side"], "their names")
+            page.choose("cameras", "1")
+            page.wait(f"view.header.camera.position[0] === 1 && {COMPLETE}")
+            page.key("u")
+            page.wait(f"Math.abs(view.header.camera.position[0]) < 1e-6 && {COMPLETE}")
+            check(not page.faults, page.faults)
+
+
 def what_is_shown_changes(browser):
     with Program(program, "coil", "--size", "96x72", "--spp", "3") as view:
         page = browser.page(view.link)
         looks_complete(page)
         check(page.ask("view.header.filter") == "median", "the filter is on at first")
+        rows = page.ask("[...byId('stages').rows].map((row) => row.cells[0].textContent)")
+        check("traversal, level 0" in rows and len(rows) > 6, f"times by stage and level: {rows}")
         page.key("b")
         page.wait("view.header.filter === 'none' && view.header.samples === 3")
         for key, what in zip("234567", ("distance", "primitive", "normal", "queues", "bounces", "variance")):

@@ -231,6 +231,20 @@ class Program:
             return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
+def gltf_with_two_cameras():
+    """A triangle, and cameras in front of it and beside it."""
+    corners = struct.pack("<9f", -1, -1, 0, 1, -1, 0, 0, 1, 0)
+    return json.dumps({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1, 2]}],
+        "nodes": [{"mesh": 0}, {"name": "Front", "camera": 0, "translation": [0, 0, 4]},
+                  {"name": "Side", "camera": 0, "translation": [1, 0, 3]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1}}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64," + base64.b64encode(corners).decode()}]})
+
+
 def run_checks(checks, words, *arguments):
     """Runs the functions that `words` name, or all; prints a line each. The exit code: 1 where one fails, 2 where there is no such."""
     unknown = [word for word in words if word not in checks]

@@ -13,7 +13,7 @@ import time
 import urllib.parse
 import zlib
 
-from view_protocol import Closed, Frame, Program, Viewer, WebSocket, camera_of, get, run_checks, turned
+from view_protocol import Closed, Frame, Program, Viewer, WebSocket, camera_of, get, gltf_with_two_cameras, run_checks, turned
 
 program = None
 SMALL = ["--size", "64x48", "--spp", "8"]
@@ -69,6 +69,30 @@ def render(command, folder, file="view.npy"):
     check(done.returncode == 0, f"{command}: {done.stderr}")
     with open(os.path.join(folder, file), "rb") as made:
         return made.read()
+
+
+def cameras_of_the_file():
+    """They are offered by name, and one of them is what scotty render makes of `FILE#camera=NAME`."""
+    with tempfile.TemporaryDirectory() as folder:
+        scene = os.path.join(folder, "two.gltf")
+        with open(scene, "w", encoding="utf-8") as file:
+            file.write(gltf_with_two_cameras())
+        with Program(program, scene, *SMALL) as view:
+            viewer = Viewer(view.link)
+            first = viewer.complete()
+            check(viewer.hello["scene"]["cameras"] == ["Front", "Side"], viewer.hello["scene"])
+            check(first.header["camera"]["position"] == [0, 0, 4], first.header["camera"])
+            number = viewer.send(type="own camera", number=1)
+            frame = viewer.frame_that(lambda h: h["shows"] >= number and h["samples"] == h["target"])
+            check(frame.header["camera"]["position"] == [1, 0, 3], frame.header["camera"])
+            saved = get(view.link, "picture.npy")[1]
+            size = ["--size", "64x48", "--spp", "8", "--backend", "emulator"]
+            made = render(shlex.join(["scotty", "render", scene + "#camera=Side", "-o", "view.exr", *size]), folder)
+            check(read_npy(made)[1] == read_npy(saved)[1], "not the bits of scotty render")
+            number = viewer.send(type="own camera", number=2)
+            refused = viewer.wait_for("error", lambda m: m["id"] == number)
+            check("no such camera" in refused["text"], refused)
+            viewer.close()
 
 
 def the_same_bits_as_render(backend="emulator"):

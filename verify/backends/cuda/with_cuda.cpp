@@ -1,10 +1,29 @@
 #include <fmt/format.h>
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <cstddef>
+#include <cstring>
 
 #include "gpu/host/pipeline.h"
 #include "reference/base/error.h"
 #include "verify/backends/cuda/cuda_backend.h"
 
 namespace scotty::verify {
+
+namespace {
+
+void copy_in_parallel(void* to, const void* from, std::size_t bytes) {
+    constexpr std::size_t kGrain = 1u << 20;
+    oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<std::size_t>(0, bytes, kGrain),
+                              [&](const oneapi::tbb::blocked_range<std::size_t>& range) {
+                                  std::memcpy(static_cast<std::byte*>(to) + range.begin(),
+                                              static_cast<const std::byte*>(from) + range.begin(),
+                                              range.size());
+                              });
+}
+
+}  // namespace
 
 Backend cuda_backend() {
     const auto device = gpu::find_device();
@@ -18,7 +37,8 @@ Backend cuda_backend() {
     backend.free_memory = device->free_bytes;
     backend.make = [](const reference::Scene& scene, const reference::WideBvh& bvh,
                       const reference::PipelineParameters& p, const PipelineMaking& making) {
-        return gpu::make_pipeline(scene, bvh, p, {.timings = making.timed}, making.observer);
+        return gpu::make_pipeline(
+            scene, bvh, p, {.timings = making.timed, .copy = copy_in_parallel}, making.observer);
     };
     return backend;
 }

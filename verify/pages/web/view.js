@@ -49,6 +49,9 @@ const heard = {
     document.title = `${message.scene.name} – scotty view`;
     byId('scene').textContent = message.scene.name;
     byId('about').textContent = `${message.scene.triangles.toLocaleString('en')} triangles · scotty ${message.version}`;
+    const names = message.scene.cameras;
+    byId('cameras').replaceChildren(new Option('choose', ''), ...names.map((name, i) => new Option(name, String(i))));
+    byId('cameras-field').hidden = names.length < 2;
     controls.hello(message);
   },
   state(message) {
@@ -194,9 +197,14 @@ function undo() {
   sendCamera(false);
 }
 const frameAll = () => { if (view.camera) remember(); view.lastCamera = send({ type: 'frame all' }); };
-const ownCamera = () => { if (view.camera) remember(); view.lastCamera = send({ type: 'own camera' }); };
+const ownCamera = (which = {}) => { if (view.camera) remember(); view.lastCamera = send({ type: 'own camera', ...which }); };
 byId('all').addEventListener('click', frameAll);
-byId('own').addEventListener('click', ownCamera);
+byId('own').addEventListener('click', () => ownCamera());
+byId('cameras').addEventListener('change', () => {
+  const chosen = byId('cameras').value;
+  if (chosen !== '') ownCamera({ number: Number(chosen) });
+  byId('cameras').value = '';
+});
 byId('undo').addEventListener('click', undo);
 byId('fov').addEventListener('input', () => step((camera) => camera.setFov(Number(byId('fov').value))));
 
@@ -295,7 +303,7 @@ const keys = {
   '[': () => step((camera) => camera.setFov(camera.fov / 1.1)),
   ']': () => step((camera) => camera.setFov(camera.fov * 1.1)),
   f: frameAll,
-  o: ownCamera,
+  o: () => ownCamera(),
   u: undo,
   p: () => pick(middle(), false),
   c: () => pick(middle(), true),

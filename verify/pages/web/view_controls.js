@@ -111,7 +111,7 @@ function frameText(header, framesPerSecond, latency) {
 }
 
 function showNumbers(header) {
-  const { rays, stages } = header.statistics ?? {};
+  const { rays, stages, levels } = header.statistics ?? {};
   const seconds = header.statistics?.seconds ?? header.render_seconds;
   const rows = [['samples/s', `${rate(header.samples_per_second)}`], ['render', `${milliseconds(header.render_seconds)} ms`], ['encoding', `${milliseconds(header.encode_seconds)} ms`]];
   if (rays) {
@@ -121,5 +121,8 @@ function showNumbers(header) {
   }
   if (header.device_bytes > 0) rows.push(['buffers', `${(header.device_bytes / 1e6).toFixed(1)} MB`]);
   fillTable(byId('numbers'), rows);
-  if (stages?.length) fillTable(byId('stages'), stages.map(([label, s, launches]) => [label, s > 0 ? milliseconds(s) : '–', String(launches)]));
+  if (!stages?.length) return;
+  const time = (s) => s > 0 ? milliseconds(s) : '–';
+  fillTable(byId('stages'), [...stages.map(([label, s, launches]) => [label, time(s), String(launches)]),
+    ...levels.map(([level, s]) => [`traversal, level ${level}`, time(s), ''])]);
 }
