@@ -1,6 +1,7 @@
 #include "verify/golden/hash_book.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #ifndef XXH_INLINE_ALL
 #define XXH_INLINE_ALL
 #endif
@@ -12,6 +13,8 @@
 #include <string_view>
 
 #include "reference/base/error.h"
+#include "reference/bvh/binary_bvh.h"
+#include "reference/contract/last_queues.h"
 #include "reference/contract/parameter_table.h"
 #include "reference/contract/scene.h"
 
@@ -23,8 +26,12 @@ using reference::PipelineParameters;
 
 namespace {
 
-constexpr std::array kParts{"table", "scene", "tree", "rays", "hits", "image", "work", kWorkOfText};
+constexpr std::array kParts{"table",    "scene", "warnings", "median-tree", "tree", "last-queues",
+                            "refusals", "rays",  "hits",     "image",       "work", kWorkOfText};
 constexpr std::size_t kDigits = 16;
+/// Median splits are what a tree is built by where Embree gives up, which no scene makes it do: of
+/// small scenes they are made for their hash alone.
+constexpr std::size_t kMostMedianTriangles = 1000;
 
 /// XXH64, going on from what was hashed before.
 std::uint64_t hash_of(const void* data, std::size_t bytes, std::uint64_t before) {
@@ -88,13 +95,20 @@ Hashes read_hashes(const std::filesystem::path& file) {
 std::uint64_t hash_of_text(std::string_view text) { return hash_of(text.data(), text.size(), 0); }
 
 Hashes scene_hashes(const std::string& scene, const reference::Scene& data) {
-    return {{fmt::format("scene {}", scene), fingerprint(data)}};
+    Hashes hashes{{fmt::format("scene {}", scene), fingerprint(data)}};
+    hashes[fmt::format("warnings {}", scene)] =
+        hash_of_text(fmt::format("{}", fmt::join(data.warnings, "\n")));
+    if (data.triangles.size() > kMostMedianTriangles) return hashes;
+    const reference::BinaryBvh median = reference::build_median_bvh(data);
+    hashes[fmt::format("median-tree {}", scene)] = hash_of(median.nodes, hash_of(median.order, 0));
+    return hashes;
 }
 
 Hashes tree_hashes(const std::string& scene, const PipelineParameters& parameters,
                    const reference::WideBvh& bvh) {
     const std::string options = reference::options_of(parameters, {ParameterGroup::tree});
-    return {{named("tree", scene, options), fingerprint(bvh)}};
+    return {{named("tree", scene, options), fingerprint(bvh)},
+            {named("last-queues", scene, options), hash_of(reference::last_queues(bvh), 0)}};
 }
 
 Hashes picture_hashes(const std::string& scene, const PipelineParameters& parameters,
@@ -120,13 +134,54 @@ Hashes picture_hashes(const std::string& scene, const PipelineParameters& parame
             {named("image", scene, picture + filter), image}};
 }
 
+void WorkHasher::on_batch(std::uint64_t done, std::uint64_t count) {
+    const std::array both{done, count};
+    hash_ = hash_of(both.data(), sizeof both, hash_);
+}
+
 void WorkHasher::on_stage(const reference::StageView& stage) {
-    hash_ = hash_of(stage.name.data(), stage.name.size(), hash_);
-    for (const auto& counts : {reference::buffers::child_counts, reference::buffers::hit_counts}) {
-        const auto values = stage.get(counts);
-        hash_ = hash_of(values.data(), values.size_bytes(), hash_);
+    namespace buffers = reference::buffers;
+    add(stage.name);
+    const std::array grid{stage.blocks, stage.threads};
+    hash_ = hash_of(grid.data(), sizeof grid, hash_);
+    for (const auto* shown : {&stage.inputs, &stage.outputs}) {
+        for (const reference::BufferView& buffer : *shown) {
+            // How much room queues and hit lists have is not their work.
+            if (reference::buffer_info(buffer.name).order != reference::BufferOrder::ordered) {
+                add(fmt::format("{} {}", buffer.name, buffer.shape.size()));
+            } else {
+                add(fmt::format("{} {}", buffer.name, fmt::join(buffer.shape, " ")));
+            }
+        }
+    }
+    const auto lengths = stage.get(buffers::child_counts);
+    const auto offsets = stage.get(buffers::child_offsets);
+    const auto queue = stage.get(buffers::child_queue);
+    hash_ = hash_of(lengths.data(), lengths.size_bytes(), hash_);
+    for (std::size_t node = 0; node < lengths.size() && node < offsets.size(); ++node) {
+        if (offsets[node] > queue.size() || lengths[node] > queue.size() - offsets[node]) continue;
+        hash_ = hash_of(queue.data() + offsets[node], lengths[node] * sizeof(std::uint32_t), hash_);
+    }
+    const auto counts = stage.get(buffers::hit_counts);
+    const auto hits = stage.get(buffers::hits);
+    hash_ = hash_of(counts.data(), counts.size_bytes(), hash_);
+    for (std::size_t ray = 0; ray < counts.size(); ++ray) {
+        const std::size_t slots = hits.size() / counts.size();
+        const std::size_t used = std::min<std::size_t>(counts[ray], slots);
+        hash_ = hash_of(hits.data() + ray * slots, used * sizeof(reference::HitCandidate), hash_);
     }
 }
+
+void WorkHasher::add(const std::vector<reference::LaunchRecord>& launches,
+                     std::size_t device_bytes) {
+    for (const reference::LaunchRecord& launch : launches) {
+        add(fmt::format("{} {} {} {} {} {} {}", static_cast<int>(launch.kind), launch.batch,
+                        launch.bounce, launch.light, launch.level, launch.blocks, launch.items));
+    }
+    add(std::to_string(device_bytes));
+}
+
+void WorkHasher::add(std::string_view text) { hash_ = hash_of(text.data(), text.size(), hash_); }
 
 std::vector<Failure> HashBook::look_up(const Hashes& found) {
     std::vector<std::string> order;

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "reference/contract/launch_record.h"
 #include "reference/contract/pipeline_parameters.h"
 #include "reference/contract/stage_observer.h"
 #include "reference/contract/wide_bvh.h"
@@ -36,12 +37,17 @@ Hashes read_hashes(const std::filesystem::path& file);
 /// XXH64.
 std::uint64_t hash_of_text(std::string_view text);
 
-/// Of the contract's tables of parameters (with their defaults), buffers and stages: "table of
-/// ...".
+/// Of the contract's tables of parameters (with their defaults), buffers and stages, of the orders
+/// that schedules make, and of what the shared numerics compute: "table of ...".
 Hashes table_hashes();
-/// Of a scene as the renderer gets it: "scene S".
+/// The last of them (numerics_hashes.cpp).
+std::uint64_t hash_of_numerics();
+/// Of a scene as the renderer gets it, and of what it was warned of: "scene S", "warnings S"; of a
+/// small one also of the tree by median splits: "median-tree S".
 Hashes scene_hashes(const std::string& scene, const reference::Scene& data);
-/// Of the tree that these parameters make: "tree S --width 8 --leaf-size 4 --queue-levels 0".
+/// Of the tree that these parameters make, and of where each triangle's last queue is in it: "tree
+/// S
+/// --width 8 --leaf-size 4 --queue-levels 0", "last-queues S ...".
 Hashes tree_hashes(const std::string& scene, const reference::PipelineParameters& parameters,
                    const reference::WideBvh& bvh);
 /// Of everything that a picture is made of, whatever the way to make it: "rays S --size 5x3 ...",
@@ -49,11 +55,16 @@ Hashes tree_hashes(const std::string& scene, const reference::PipelineParameters
 Hashes picture_hashes(const std::string& scene, const reference::PipelineParameters& parameters,
                       const Recording& recording);
 
-/// How many rays and hits every launch of a run has queued. Two runs under one schedule do the same
-/// work, so a run that culls less than it did is seen here, and only here.
+/// What every launch of a run was: its grid, the shapes of its buffers, the rays and hits that it
+/// has queued, in their order. Two runs under one schedule do the same work, so a run that culls
+/// less than it did, or takes another way, is seen here, and only here.
 class WorkHasher : public reference::StageObserver {
  public:
+    void on_batch(std::uint64_t done, std::uint64_t count) override;
     void on_stage(const reference::StageView& stage) override;
+    /// What a pipeline says of its launches, without their times, and of its memory.
+    void add(const std::vector<reference::LaunchRecord>& launches, std::size_t device_bytes);
+    void add(std::string_view text);
     std::uint64_t hash() const { return hash_; }
 
  private:
@@ -73,7 +84,7 @@ class HashBook {
     HashBook(Hashes golden, bool complete) : golden_(std::move(golden)), complete_(complete) {}
 
     bool records() const { return !golden_; }
-    /// The failures of these hashes, in the order of tables, scene, tree, rays, hits, image and
+    /// The failures of these hashes, in the order of tables, scene, trees, rays, hits, image and
     /// work, as each makes the next. May be called by several threads at a time.
     std::vector<Failure> look_up(const Hashes& found);
 

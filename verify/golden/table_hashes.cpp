@@ -1,8 +1,13 @@
-/// Hashes of the contract's tables, as text.
+/// Hashes of the contract's tables and of what schedules come to, as text.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
+#include "emulation/execution/schedule.h"
+#include "emulation/execution/thread_order.h"
 #include "reference/contract/buffers.h"
 #include "reference/contract/parameter_table.h"
 #include "reference/contract/stages.h"
@@ -65,12 +70,43 @@ std::string stages_as_text() {
     return text;
 }
 
+/// A schedule that is named is the same one everywhere and from now on: reports and replays name
+/// it.
+std::string schedules_as_text() {
+    using namespace emulation;
+    std::string text;
+    std::vector<Schedule> all = seeded_schedules(8);
+    all.push_back({ScheduleKind::shuffled, 0xfedcba9876543210u});
+    for (const Schedule& schedule : all) {
+        text += to_string(schedule) + '\n';
+        for (const std::uint64_t launch : {1u, 2u, 3u, 4u, 1000u}) {
+            for (const std::uint32_t blocks : {0u, 1u, 2u, 7u, 16u, 17u}) {
+                text += fmt::format("{}\n", fmt::join(block_order(schedule, launch, blocks), " "));
+            }
+            simt::ThreadOrder order;
+            const std::uint64_t seed = simt::mixed(schedule.seed, launch, 5);
+            text += fmt::format("{:x}\n", seed);
+            for (const std::uint32_t warps : {1u, 7u, 32u}) {
+                order.start_block(schedule.kind, seed, warps);
+                order.start_phase();
+                const auto end = order.warp_order.begin() + warps;
+                text += fmt::format("{} {}\n", fmt::join(order.warp_order.begin(), end, " "),
+                                    fmt::join(order.lane_order, " "));
+            }
+        }
+    }
+    return text;
+}
+
 }  // namespace
 
 Hashes table_hashes() {
-    return {{"table of parameters", hash_of_text(parameters_as_text())},
-            {"table of buffers", hash_of_text(buffers_as_text())},
-            {"table of stages", hash_of_text(stages_as_text())}};
+    static const Hashes tables{{"table of parameters", hash_of_text(parameters_as_text())},
+                               {"table of buffers", hash_of_text(buffers_as_text())},
+                               {"table of stages", hash_of_text(stages_as_text())},
+                               {"table of schedules", hash_of_text(schedules_as_text())},
+                               {"table of numerics", hash_of_numerics()}};
+    return tables;
 }
 
 }  // namespace scotty::verify

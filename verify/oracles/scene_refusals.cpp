@@ -1,10 +1,14 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "reference/base/error.h"
@@ -38,8 +42,8 @@ std::set<std::size_t> ends_and_middle(std::size_t size) {
 
 class SceneSpoiler {
  public:
-    SceneSpoiler(const Scene& scene, const SceneValidator& validator)
-        : scene_(scene), validator_(validator), fingerprint_(fingerprint(scene)) {}
+    SceneSpoiler(const Scene& scene, const SceneValidator& validator, std::string* said)
+        : scene_(scene), validator_(validator), said_(said), fingerprint_(fingerprint(scene)) {}
 
     std::vector<Failure> run() {
         spoil_tables();
@@ -49,6 +53,8 @@ class SceneSpoiler {
         for (const std::size_t i : ends_and_middle(scene_.materials.size())) spoil_material(i);
         for (const std::size_t i : ends_and_middle(scene_.lights.size())) spoil_light(i);
         spoil_camera();
+        judge_areas();
+        judge_darkness();
         return std::move(failures_);
     }
 
@@ -72,6 +78,7 @@ class SceneSpoiler {
             validator_(copy);
         } catch (const reference::Error& error) {
             const std::string text = error.what();
+            if (said_ != nullptr) *said_ += text + '\n';
             if (text.find(element) != std::string::npos) return;
             fail(what, fmt::format("{} is refused without naming it: {}", what, text));
             return;
@@ -146,6 +153,92 @@ class SceneSpoiler {
         }
     }
 
+    /// Warnings of the scene with other triangles, whose corners are these.
+    using Corners = std::array<Vec3, 3>;
+    std::vector<std::string> warnings_of(const std::vector<Corners>& triangles) {
+        Scene copy = scene_;
+        copy.vertices.clear();
+        copy.normals.clear();
+        copy.triangles.clear();
+        copy.material_of.assign(triangles.size(), 0);
+        for (const Corners& corners : triangles) {
+            const auto first = static_cast<std::uint32_t>(copy.vertices.size());
+            copy.vertices.insert(copy.vertices.end(), corners.begin(), corners.end());
+            copy.triangles.push_back({first, first + 1, first + 2});
+        }
+        return warnings_of(copy);
+    }
+    /// The same of a scene that is valid, and may be repaired.
+    const std::vector<std::string>& warnings_of(Scene& scene) {
+        scene.warnings.clear();
+        try {
+            validator_(scene);
+        } catch (const reference::Error& error) {
+            fail("warnings", fmt::format("a sound scene is refused: {}", error.what()));
+        }
+        if (said_ != nullptr) *said_ += fmt::format("{}\n", fmt::join(scene.warnings, "\n"));
+        return scene.warnings;
+    }
+    static bool says(const std::vector<std::string>& warnings, std::string_view part) {
+        return std::any_of(warnings.begin(), warnings.end(), [&](const std::string& warning) {
+            return warning.find(part) != std::string::npos;
+        });
+    }
+
+    /// Triangles without area are counted, and the first is named; the thinnest have some.
+    void judge_areas() {
+        const Vec3 a(1.0f, 2.0f, 5.0f);
+        const auto at = [&](float x, float y, float z) { return a + Vec3(x, y, z); };
+        const std::vector<std::pair<const char*, Corners>> empty{
+            {"along x", {a, at(1.0f, 0.0f, 0.0f), at(3.0f, 0.0f, 0.0f)}},
+            {"along y", {a, at(0.0f, 1.0f, 0.0f), at(0.0f, 3.0f, 0.0f)}},
+            {"along z", {a, at(0.0f, 0.0f, 1.0f), at(0.0f, 0.0f, 3.0f)}},
+            {"aslant", {a, at(1.0f, -2.0f, 4.0f), at(2.0f, -4.0f, 8.0f)}},
+            {"of two points", {a, a, at(1.0f, 2.0f, 3.0f)}},
+            {"of two other points", {a, at(1.0f, 2.0f, 3.0f), a}},
+            {"of two points behind", {a, at(1.0f, 2.0f, 3.0f), at(1.0f, 2.0f, 3.0f)}},
+            {"of one point", {a, a, a}}};
+        const float thin = above(8.0f) - 8.0f;
+        const std::vector<std::pair<const char*, Corners>> sound{
+            {"across z", {a, at(1.0f, 0.0f, 0.0f), at(0.0f, 2.0f, 0.0f)}},
+            {"across x", {a, at(0.0f, 1.0f, 0.0f), at(0.0f, 0.0f, 2.0f)}},
+            {"across y", {a, at(1.0f, 0.0f, 0.0f), at(0.0f, 0.0f, 2.0f)}},
+            {"as thin as x can be", {a, at(1.0f, 2.0f, 4.0f), at(2.0f + thin, 4.0f, 8.0f)}},
+            {"as thin as y can be", {a, at(1.0f, 2.0f, 4.0f), at(2.0f, 4.0f + thin, 8.0f)}},
+            {"as thin as z can be", {a, at(1.0f, 2.0f, 4.0f), at(2.0f, 4.0f, 8.0f + 2.0f * thin)}}};
+        for (const auto& [how, corners] : empty) {
+            const std::string what = fmt::format("a triangle {}", how);
+            const auto last = warnings_of({sound[0].second, corners});
+            if (!says(last, "1 triangles have zero area") || !says(last, "is triangle 1"))
+                fail(what, what + " is not reported as empty");
+            const auto both = warnings_of({corners, sound[0].second, corners});
+            if (!says(both, "2 triangles have zero area") || !says(both, "is triangle 0"))
+                fail(what, what + " is not counted twice");
+        }
+        for (const auto& [how, corners] : sound) {
+            const std::string what = fmt::format("a triangle {}", how);
+            if (says(warnings_of({corners}), "zero area")) fail(what, what + " is called empty");
+        }
+    }
+
+    /// A scene is dark where nothing in it shines, and only there.
+    void judge_darkness() {
+        const auto dark = [&](const char* what, bool expected, const Edit& edit) {
+            Scene copy = scene_;
+            for (Light& light : copy.lights) light.radiance = Vec3(0.0f);
+            for (Material& material : copy.materials) material.emission = Vec3(0.0f);
+            edit(copy);
+            if (says(warnings_of(copy), "black") == expected) return;
+            fail(what, fmt::format("{} is {}called black", what, expected ? "not " : ""));
+        };
+        dark("a scene in which nothing shines", true, [](Scene&) {});
+        dark("a scene with one material that shines", false,
+             [](Scene& s) { s.materials.back().emission.z = 1.0f; });
+        if (scene_.lights.empty()) return;
+        dark("a scene with one light that shines", false,
+             [](Scene& s) { s.lights.back().radiance.y = 1.0f; });
+    }
+
     void spoil_triangle(std::size_t i) {
         const std::string element = fmt::format("triangle {}", i);
         const auto vertices = static_cast<std::uint32_t>(scene_.vertices.size());
@@ -179,17 +272,21 @@ class SceneSpoiler {
         const auto repaired = [&](const char* how, const Vec3& spoiled, const Vec3& expected) {
             const std::string what = fmt::format("normal {} {}", i, how);
             Scene copy = scene_;
-            copy.warnings.clear();
             copy.normals[i] = spoiled;
-            validator_(copy);
+            warnings_of(copy);
             const Vec3 off = copy.normals[i] - expected;
-            if (!(reference::max_abs(off) <= 1e-6f)) fail(what, what + " is not repaired");
+            // Flat is flat: nothing that normalises to a direction.
+            const bool is_flat = reference::is_zero(copy.normals[i]);
+            if (!(reference::max_abs(off) <= 1e-6f) || is_flat != reference::is_zero(expected))
+                fail(what, what + " is not repaired");
             const bool said = !copy.warnings.empty() &&
                               copy.warnings.front().find("1 normals") != std::string::npos;
             if (!said) fail(what, what + " is repaired, and no warning says so");
         };
         repaired("of twice the length", sound * 2.0f, sound);
         repaired("of half the length", sound * 0.5f, sound);
+        repaired("of nearly no length", Vec3(0.0f, 1e-30f, 0.0f), Vec3(0.0f, 1.0f, 0.0f));
+        repaired("without end", Vec3(reference::kInfinity, 0.0f, 0.0f), Vec3(0.0f, 0.0f, 0.0f));
         repaired("that is no number", Vec3(kNan, sound.y, sound.z), Vec3(0.0f, 0.0f, 0.0f));
         changes(fmt::format("normal {} turned over", i),
                 [=](Scene& s) { s.normals[i] = sound * -1.0f; });
@@ -323,37 +420,60 @@ class SceneSpoiler {
 
     const Scene& scene_;
     const SceneValidator& validator_;
+    std::string* said_;
     std::uint64_t fingerprint_;
     std::vector<Failure> failures_;
 };
 
 }  // namespace
 
-std::vector<Failure> check_scene_refusals(const Scene& scene, const SceneValidator& validator) {
-    return SceneSpoiler(scene, validator).run();
+std::vector<Failure> check_scene_refusals(const Scene& scene, const SceneValidator& validator,
+                                          std::string* said) {
+    return SceneSpoiler(scene, validator, said).run();
 }
 
-std::vector<Failure> check_parameter_refusals(const ParameterValidator& validator) {
+std::vector<Failure> check_parameter_refusals(const ParameterValidator& validator,
+                                              std::string* said) {
     std::vector<Failure> failures;
-    const auto ask = [&](const reference::ParameterInfo& info, std::uint64_t value, bool valid) {
-        reference::PipelineParameters p;
-        info.set(p, value);
-        bool refused = false;
-        try {
-            validator(p);
-        } catch (const reference::Error& error) {
-            refused = std::string(error.what()).find(info.title) != std::string::npos;
-        }
-        if (refused != valid) return;
+    const auto fail = [&](std::string_view of, const std::string& sentence) {
         Failure failure;
         failure.invariant = kRefusal;
         failure.stage = "parameters";
-        failure.field = info.name;
-        failure.sentence =
-            fmt::format("{} = {} is {}", info.name, value, valid ? "refused" : "taken for valid");
+        failure.field = of;
+        failure.sentence = sentence;
         failures.push_back(std::move(failure));
     };
+    /// Whether it throws an error that names `title`.
+    const auto is_refused = [&](std::string_view title, const std::function<void()>& run) {
+        try {
+            run();
+        } catch (const reference::Error& error) {
+            if (said != nullptr) *said += std::string(error.what()) + '\n';
+            return std::string_view(error.what()).find(title) != std::string_view::npos;
+        }
+        return false;
+    };
+    const auto ask = [&](const reference::ParameterInfo& info, std::uint64_t value, bool valid) {
+        reference::PipelineParameters p;
+        info.set(p, value);
+        if (is_refused(info.title, [&] { validator(p); }) != valid) return;
+        fail(info.name,
+             fmt::format("{} = {} is {}", info.name, value, valid ? "refused" : "taken for valid"));
+    };
     for (const reference::ParameterInfo& info : reference::kParameters) {
+        for (const char* text : {"", "x", "-1", "1x", "18446744073709551616", "0.5", " 8", "0x8"}) {
+            reference::PipelineParameters p;
+            if (is_refused(info.title, [&] { set_from_text(info, p, text); })) continue;
+            if (std::string_view(text) == "-1" && info.high >> 63 != 0) continue;
+            fail(info.name, fmt::format("{} is read from '{}'", info.name, text));
+        }
+        reference::PipelineParameters p;
+        const std::string word = text_of(info, p);
+        info.set(p, info.get(p) ^ 1u);
+        if (is_refused(info.title, [&] { set_from_text(info, p, word); }) ||
+            text_of(info, p) != word) {
+            fail(info.name, fmt::format("{} is not read from '{}'", info.name, word));
+        }
         if (!info.words.empty()) continue;
         if (!info.only.empty()) {
             for (const std::uint64_t value : info.only) {
@@ -369,6 +489,18 @@ std::vector<Failure> check_parameter_refusals(const ParameterValidator& validato
         if (info.high < kMost) ask(info, info.high + 1, false);
         if (info.multiple_of > 1) ask(info, info.low + 1, false);
     }
+    const auto ask_tree = [&](int width, int leaf, std::string_view title) {
+        reference::BvhParameters p;
+        p.width = width;
+        p.max_leaf_size = leaf;
+        if (is_refused(title.empty() ? "BVH" : title, [&] { validate(p); }) != title.empty())
+            return;
+        fail("tree", fmt::format("a tree of width {} with leaves of {} is {}", width, leaf,
+                                 title.empty() ? "refused" : "taken for valid"));
+    };
+    for (const int width : {2, 4, 8, 16}) ask_tree(width, width == 8 ? 1024 : 1, "");
+    for (const int width : {0, 1, 3, 5, 7, 9, 15, 17, 32, -8}) ask_tree(width, 4, "BVH width");
+    for (const int leaf : {0, -1, 1025}) ask_tree(8, leaf, "BVH leaf size");
     return failures;
 }
 

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <functional>
@@ -22,8 +23,9 @@ constexpr float kNoNumber = std::numeric_limits<float>::quiet_NaN();
 
 class TreeSpoiler {
  public:
-    TreeSpoiler(const WideBvh& bvh, const reference::Scene& scene, const TreeValidator& validator)
-        : bvh_(bvh), scene_(scene), validator_(validator) {}
+    TreeSpoiler(const WideBvh& bvh, const reference::Scene& scene, const TreeValidator& validator,
+                std::string* said)
+        : bvh_(bvh), scene_(scene), validator_(validator), said_(said) {}
 
     std::vector<Failure> run() {
         spoil_tables();
@@ -45,7 +47,9 @@ class TreeSpoiler {
     void refused(const std::string& what, const Edit& edit) {
         WideBvh copy = bvh_;
         edit(copy);
-        if (!validator_(copy, scene_).empty()) return;
+        const std::vector<std::string> found = validator_(copy, scene_);
+        if (said_ != nullptr) *said_ += fmt::format("{}\n", fmt::join(found, "\n"));
+        if (!found.empty()) return;
         Failure failure;
         failure.invariant = kRefusal;
         failure.stage = "tree";
@@ -92,7 +96,8 @@ class TreeSpoiler {
         }
         if (i == 0) return;
         const std::uint32_t parent = bvh_.parents[i];
-        for (const std::uint32_t other : {parent + 1, kNone, bvh_.node_count()}) {
+        for (const std::uint32_t other : {parent + 1, parent - 1, 0u, kNone, bvh_.node_count()}) {
+            if (other == parent) continue;
             refused(fmt::format("node {} has the parent {}", i, other),
                     [=](WideBvh& b) { b.parents[i] = other; });
         }
@@ -198,14 +203,15 @@ class TreeSpoiler {
     const WideBvh& bvh_;
     const reference::Scene& scene_;
     const TreeValidator& validator_;
+    std::string* said_;
     std::vector<Failure> failures_;
 };
 
 }  // namespace
 
 std::vector<Failure> check_tree_refusals(const WideBvh& bvh, const reference::Scene& scene,
-                                         const TreeValidator& validator) {
-    return TreeSpoiler(bvh, scene, validator).run();
+                                         const TreeValidator& validator, std::string* said) {
+    return TreeSpoiler(bvh, scene, validator, said).run();
 }
 
 }  // namespace scotty::verify

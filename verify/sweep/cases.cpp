@@ -204,6 +204,22 @@ std::vector<Draft> extra_drafts() {
     return {field};
 }
 
+/// More rays in one batch, and more pixels, than 16 bits number: run under every budget, since it
+/// takes no time.
+Draft many_rays() {
+    Draft draft;
+    draft.p().image_width = 257;
+    draft.p().image_height = 256;
+    draft.p().spp = 1;
+    draft.p().bounces = 0;
+    draft.p().light_samples = 1;
+    draft.p().width = 4;
+    draft.p().hit_mode = HitMode::packed;
+    draft.p().batch_rays = 257 * 256;
+    draft.configuration.schedule = {emulation::ScheduleKind::linear, 0};
+    return draft;
+}
+
 Case finished(const Draft& draft) {
     Case out;
     out.configuration = draft.configuration;
@@ -263,6 +279,7 @@ CaseList covering_cases(Budget budget) {
         for (std::size_t f = 0; f < all.size(); ++f) all[f].values[row[f]].set(draft);
         list.cases.push_back(finished(draft));
     }
+    list.cases.push_back(finished(many_rays()));
     if (budget != Budget::quick) {
         for (const Draft& draft : extra_drafts()) list.cases.push_back(finished(draft));
     }

@@ -12,6 +12,7 @@
 #include <exception>
 #include <iterator>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -28,10 +29,12 @@
 #include "verify/capture/recording.h"
 #include "verify/diff/diff.h"
 #include "verify/diff/replay.h"
+#include "verify/diff/run_refusals.h"
 #include "verify/oracles/interval_check.h"
 #include "verify/oracles/refusal_check.h"
 #include "verify/oracles/trace_check.h"
 #include "verify/schedules/schedule_check.h"
+#include "verify/sweep/crash_verdict.h"
 #include "verify/sweep/emulator_diff.h"
 
 namespace scotty::verify {
@@ -108,6 +111,8 @@ class SceneVerification {
 
     SceneReport run() {
         const auto start = Clock::now();
+        const UnderWay under_way("tree, oracles and runs of " + source(),
+                                 replay_of(baseline_configuration(settings_.parameters)));
         const std::vector<Configuration> all = all_configurations(settings_);
         std::vector<std::size_t> ours;  // but the baseline
         for (std::size_t i = 1; i < all.size(); ++i) {
@@ -334,10 +339,13 @@ class SceneVerification {
         out.label =
             baseline == nullptr ? "baseline: " + configuration.label() : configuration.label();
         out.replay = replay_of(configuration);
+        const UnderWay under_way(out.label, out.replay);
         try {
-            recording.image = emulator
-                                  ? backend.render(*input, observer)
-                                  : emulation::Pipeline(scene_, bvh, p, device, observer).render();
+            const std::unique_ptr<reference::PipelineInterface> pipeline =
+                emulator ? backend.pipeline(*input, observer)
+                         : std::make_unique<emulation::Pipeline>(scene_, bvh, p, device, observer);
+            recording.image = pipeline->render();
+            if (work) work->add(pipeline->launches(), pipeline->device_bytes());
         } catch (const reference::Error& error) {
             // What had been seen until then leads: it may well be the reason.
             out.failures = failures_until_now(checker, emulator, out.stages, false);
@@ -365,19 +373,23 @@ class SceneVerification {
         }
         if (settings_.stage_pattern.empty()) check_handed_out(recording, p, out);
         if (asks_hashes() && baseline == nullptr) note(picture_hashes(source(), p, recording));
-        if (work) {
-            note({{fmt::format("{} {} {} {}", backend.name == "simt" ? kWorkOfText : "work",
-                               source(), picture_options(p), configuration.options()),
-                   work->hash()}});
-        }
         if (out.counts.failures == 0 && settings_.stage_pattern.empty()) {
             check_unwatched(bvh, p, backend, recording.image, out);
             if (recording.radiance.size() <= kMostPathsAlone) {
                 std::optional<TemporaryCapture> own;
                 if (!emulator) own.emplace(backend, input_of(bvh, p));
-                check_stages_alone(emulator ? emulator->expected() : own->get(), backend, out);
+                const Capture& whole = emulator ? emulator->expected() : own->get();
+                check_stages_alone(whole, backend, out);
+                std::string said;
+                if (baseline != nullptr) add(check_stage_refusals(whole, backend, &said), out);
+                if (work) work->add(said);
             }
             if (settings_.oracles) trace_rays(bvh, p, backend, recording, out);
+        }
+        if (work) {
+            note({{fmt::format("{} {} {} {}", backend.name == "simt" ? kWorkOfText : "work",
+                               source(), picture_options(p), configuration.options()),
+                   work->hash()}});
         }
         if (settings_.schedules != 0) run_schedules(bvh, p, index, out);
         out.seconds = seconds_since(start);
@@ -470,10 +482,12 @@ class SceneVerification {
                                std::span<reference::Hit> hits) {
             pipeline->trace(rays, kind, hits);
         };
-        for (Failure& failure : check_traces(scene_, recording, trace, settings)) {
-            out.failures.push_back(std::move(failure));
-            ++out.counts.failures;
-        }
+        add(check_traces(scene_, recording, trace, settings), out);
+    }
+
+    static void add(std::vector<Failure> failures, ConfigurationReport& out) {
+        out.counts.failures += failures.size();
+        std::move(failures.begin(), failures.end(), std::back_inserter(out.failures));
     }
 
     void run_schedules(const reference::WideBvh& bvh, const PipelineParameters& p,
@@ -527,7 +541,7 @@ class SceneVerification {
         const bool sound = report_.configurations.front().failures.empty();
         if (sound && settings_.stage_pattern.empty()) {
             run_interval_check(truth);
-            check_refusals();
+            check_refusals(truth);
         }
         const PipelineParameters& p = settings_.parameters;
         // Before a filter: the same paths, added up in the same order.
@@ -542,16 +556,32 @@ class SceneVerification {
         report_.oracle_seconds = seconds_since(start);
     }
 
-    /// Of a small scene: is what is spoiled in it refused?
-    void check_refusals() {
+    /// Of a small scene: is what is spoiled in it, and in what is traced through it, refused?
+    void check_refusals(const Recording& truth) {
         if (scene_.triangles.size() > kMostSpoiledTriangles) return;
+        const Configuration baseline = baseline_configuration(settings_.parameters);
+        const Backend backend =
+            backend_named(settings_.backend, baseline.device(settings_.threads));
+        const PipelineInput input = input_of(bvh_of(baseline.parameters), baseline.parameters);
+        std::vector<reference::Ray> rays;
+        if (!truth.traversals.empty()) rays = truth.traversals.front().rays;
+        if (rays.size() > kMostPathsAlone) rays.resize(kMostPathsAlone);
         const auto add = [&](std::vector<Failure> failures) {
             std::move(failures.begin(), failures.end(), std::back_inserter(report_.hits.failures));
         };
-        add(check_scene_refusals(scene_));
-        add(check_tree_refusals(bvh_of(baseline_configuration(settings_.parameters).parameters),
-                                scene_));
-        add(check_parameter_refusals());
+        std::string said;
+        add(check_scene_refusals(scene_, reference::validate_and_repair, &said));
+        const auto validator = [](const auto& tree, const auto& of) {
+            return reference::validate(tree, of);
+        };
+        add(check_tree_refusals(input.bvh, scene_, validator, &said));
+        add(check_parameter_refusals([](const auto& p) { reference::validate(p); }, &said));
+        add(check_ray_refusals(input, backend, rays, &said));
+        add(check_queue_refusal(input, backend, rays, &said));
+        // The text of others' messages is theirs.
+        if (!asks_hashes() || backend.name != "emulator") return;
+        note({{fmt::format("refusals {} {}", source(), picture_options(settings_.parameters)),
+               hash_of_text(said)}});
     }
 
     void run_interval_check(const Recording& truth) {
@@ -611,6 +641,7 @@ std::size_t units_of_scene(const VerifySettings& settings) {
 
 SceneReport verify_scene(const reference::Scene& scene, const VerifySettings& settings) {
     reference::validate(settings.parameters);
+    catch_crashes();
     std::optional<tbb::global_control> limit;
     if (settings.threads != 0) {
         limit.emplace(tbb::global_control::max_allowed_parallelism, settings.threads);

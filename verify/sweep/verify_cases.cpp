@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "reference/base/error.h"
 #include "scenes/scenes.h"
 #include "verify/sweep/verify.h"
 
@@ -20,6 +21,20 @@ void add(SceneReport& sum, const SceneReport& one) {
     sum.oracles_ran = sum.oracles_ran || one.oracles_ran;
     sum.oracle_seconds += one.oracle_seconds;
     sum.triangles = std::max(sum.triangles, one.triangles);
+}
+
+/// The cases' own scenes and pictures are valid, so that one which cannot be verified is a failure.
+SceneReport refused(const reference::Error& error) {
+    SceneReport report;
+    report.scene = "cases";
+    Failure failure;
+    failure.invariant = "error";
+    failure.stage = "scene";
+    failure.sentence = error.what();
+    ConfigurationReport& only = report.configurations.emplace_back();
+    only.failures.push_back(std::move(failure));
+    only.counts.failures = 1;
+    return report;
 }
 
 /// The baseline's run, the case's and the oracles as one: whatever failed is shown again by the
@@ -70,11 +85,18 @@ SceneReport verify_cases(const std::vector<Case>& cases, const VerifySettings& s
         alone.has_unit = nullptr;
         alone.progress = nullptr;
         if (!report.passed()) alone.on_first_failure = nullptr;  // the first one was announced
-        auto scene = scenes.find(one.scene);
-        if (scene == scenes.end()) {
-            scene = scenes.emplace(one.scene, scenes::load_scene(one.scene)).first;
+        SceneReport found;
+        try {
+            auto scene = scenes.find(one.scene);
+            if (scene == scenes.end()) {
+                scene = scenes.emplace(one.scene, scenes::load_scene(one.scene)).first;
+            }
+            found = verify_scene(scene->second, alone);
+        } catch (const reference::Error& error) {
+            if (error.kind() == reference::ErrorKind::missing_environment) throw;
+            found = refused(error);
+            if (alone.on_first_failure) alone.on_first_failure(placed_failures(found).front());
         }
-        SceneReport found = verify_scene(scene->second, alone);
         if (found.left_out != 0 && found.passed()) {  // a signal ended it
             report.left_out = cases.size() - i;
             break;

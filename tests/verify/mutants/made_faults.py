@@ -12,7 +12,9 @@ for _ in range(4):
 MADE = os.path.join(TOP, "verify/mutants/made")
 sys.path.insert(0, MADE)
 
+import again  # noqa: E402
 import emit  # noqa: E402
+import judge  # noqa: E402
 import listing  # noqa: E402
 import neutral  # noqa: E402
 import runs  # noqa: E402
@@ -165,6 +167,44 @@ class Runs(unittest.TestCase):
         self.assertEqual(outcome("exit 70"), "crashed")
         self.assertEqual(outcome("kill -SEGV $$"), "crashed")
         self.assertEqual(outcome("while :; do :; done"), "timed-out")
+
+
+class Judge(unittest.TestCase):
+    def test_the_runs_that_execute_a_fault_judge_it(self):
+        steps = {"emulator": [runs.Step("quick", [], frozenset({1}))], "simt": [runs.Step("simt-quick", [], frozenset({1, 2}))]}
+        for path, number, tier in (("reference/a.h", 1, "emulator"), ("gpu/a.h", 1, "simt"), ("emulation/execution/a.h", 2, "simt"),
+                                   ("reference/a.h", 3, "emulator")):
+            self.assertEqual(judge.tier_of({"path": path, "number": number}, steps), tier, path)
+
+
+class Again(unittest.TestCase):
+    def test_what_killed_a_fault_is_recorded_and_asked_again(self):
+        with tempfile.TemporaryDirectory() as folder:
+            killed = os.path.join(folder, "killed.json")
+            common = {"path": "gpu/a.h", "operator": "constant"}
+            again.record(killed, [common | {"key": "a", "verdict": "failed", "verdict_by": "simt-quick"},
+                                  common | {"key": "b", "verdict": "passed", "suite": "failed", "suite_by": "test_x", "test": "x: y"},
+                                  common | {"key": "c", "verdict": "passed", "suite": "passed"},
+                                  common | {"key": "d", "verdict": "failed", "verdict_by": "quick", "operator": "neutral"}])
+            known = again.load(killed)
+            self.assertEqual(set(known), {"a", "b"})
+            self.assertEqual(again.command_of(known["a"], "/b")[:2], ["/b/bin/scotty", "verify"])
+            self.assertEqual(again.command_of(known["b"], "/b"), ["/b/bin/test_x", "x: y", "--abort"])
+            again.record(killed, [common | {"key": "a", "verdict": "passed"}])
+            self.assertEqual(set(again.load(killed)), {"b"})
+
+    def test_a_fault_that_survives_what_killed_it_fails(self):
+        with tempfile.TemporaryDirectory() as folder:
+            os.mkdir(os.path.join(folder, "bin"))
+            program = os.path.join(folder, "bin/test_x")
+            with open(program, "w", encoding="utf-8") as file:
+                file.write("#!/bin/sh\n[ \"$SCOTTY_MADE\" != 1 ]\n")
+            os.chmod(program, 0o755)
+            copy = type("Copy", (), {"build": folder, "source": folder})
+            fault = {"key": "a", "number": 1, "path": "a", "line": 1, "original": "x", "text": "y"}
+            killed = {"a": {"by": "test_x", "test": "t"}, "gone": {"by": "test_x"}}
+            self.assertEqual(again.judge_all([fault], killed, copy, 1, lambda _: None), 0)
+            self.assertEqual(again.judge_all([fault | {"number": 2}], killed, copy, 1, lambda _: None), 1)
 
 
 class Scores(unittest.TestCase):

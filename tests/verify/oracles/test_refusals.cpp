@@ -11,6 +11,8 @@
 namespace scotty::verify::test {
 namespace {
 
+using Catch::Matchers::ContainsSubstring;
+
 std::string sentences(const std::vector<Failure>& failures) {
     std::string text;
     for (const Failure& failure : failures) text += failure.sentence + "\n";
@@ -73,6 +75,37 @@ TEST_CASE("refusals: a validator that believes nothing is seen", "[verify][oracl
         throw reference::Error::bad_input("anything", "is refused");
     };
     CHECK_FALSE(check_parameter_refusals(refused).empty());
+}
+
+TEST_CASE("refusals: a validator that says nothing of empty triangles or darkness is seen",
+          "[verify][oracles]") {
+    const reference::Scene scene = scenes::load_scene("cornell");
+    const auto silent = [](reference::Scene& copy) {
+        reference::validate_and_repair(copy);
+        copy.warnings.clear();
+    };
+    const auto alarmed = [](reference::Scene& copy) {
+        reference::validate_and_repair(copy);
+        copy.warnings.emplace_back("1 triangles have zero area, the first is triangle 1; black");
+    };
+    CHECK_THAT(sentences(check_scene_refusals(scene, silent)),
+               ContainsSubstring("along x is not reported as empty") &&
+                   ContainsSubstring("of one point is not") &&
+                   ContainsSubstring("nothing shines is not called black"));
+    CHECK_THAT(sentences(check_scene_refusals(scene, alarmed)),
+               ContainsSubstring("as thin as x can be is called empty") &&
+                   ContainsSubstring("one light that shines is called black"));
+}
+
+TEST_CASE("refusals: what errors say is handed on", "[verify][oracles]") {
+    std::string said;
+    const reference::Scene scene = scenes::load_scene("cornell");
+    check_scene_refusals(scene, reference::validate_and_repair, &said);
+    CHECK_THAT(said, ContainsSubstring("vertex 0") && ContainsSubstring("zero area") &&
+                         ContainsSubstring("black"));
+    said.clear();
+    check_parameter_refusals([](const auto& p) { reference::validate(p); }, &said);
+    CHECK_THAT(said, ContainsSubstring("BVH width") && ContainsSubstring("found '0x8'"));
 }
 
 TEST_CASE("refusals: a validator that errs by one value is seen", "[verify][oracles]") {

@@ -5,9 +5,13 @@ import runs
 from scores import DETECTED
 
 
-def tier_of(path):
-    """The runs that judge a file: the text of gpu/ and what runs it on a CPU are executed by the back end simt alone."""
-    return "simt" if path.startswith(("gpu/", "emulation/simt/", "emulation/check/")) else "emulator"
+def tier_of(fault, steps):
+    """The runs that judge a fault: the text of gpu/ and what runs it on a CPU are executed by the back end simt alone."""
+    if fault["path"].startswith(("gpu/", "emulation/simt/", "emulation/check/")):
+        return "simt"
+    if "number" not in fault or any(not s.executes or fault["number"] in s.executes for s in steps["emulator"]):
+        return "emulator"
+    return "simt" if any(fault["number"] in step.executes for step in steps["simt"]) else "emulator"
 
 
 def step_of(fault, steps, folder):
@@ -37,15 +41,17 @@ def wants_tests(result):
 def is_done(result, steps, tests):
     if result["verdict"] in DETECTED:
         return True
-    tier = steps[tier_of(result["path"])]
+    tier = steps[result.get("tier") or tier_of(result, steps)]
     return all(step.name in result["tried"] for step in tier) and not (tests and wants_tests(result))
 
 
 def judge(fault, steps, tests, folder, before):
     """`before`: what a former call found, with fewer steps or without tests."""
-    tier = steps[tier_of(fault["path"])]
+    name_of_tier = tier_of(fault, steps)
+    tier = steps[name_of_tier]
     keep = ("key", "path", "line", "function", "operator", "original", "text")
     result = dict(before) if before else {k: fault[k] for k in keep} | {"verdict": "not-executed", "tried": [], "seconds": 0}
+    result["tier"] = name_of_tier
     rest = [step for step in tier if step.name not in result["tried"]]
     if result["verdict"] not in DETECTED and rest:
         kind, name, output, seconds = step_of(fault, rest, folder)

@@ -16,6 +16,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 TOP = os.path.dirname(os.path.dirname(os.path.dirname(HERE)))
 sys.path.insert(0, HERE)
 
+import again  # noqa: E402
 import judge  # noqa: E402
 import listing  # noqa: E402
 import neutral  # noqa: E402
@@ -24,10 +25,11 @@ import scores  # noqa: E402
 import tree  # noqa: E402
 import units  # noqa: E402
 
+KILLED = os.path.join(HERE, "killed.json")
 PROGRAMS = ["scotty", "scotty_checked"]
-TESTS = ["test_reference", "test_scenes", "test_emulation", "test_simt", "test_verify_capture", "test_verify_invariants",
-         "test_verify_oracles", "test_verify_diff", "test_verify_schedules", "test_verify_images", "test_verify_golden",
-         "test_verify_sweep"]
+TESTS = ["test_reference", "test_scenes", "test_emulation", "test_simt", "test_checked", "test_fuzz"] + [
+    "test_verify_" + room for room in ("capture", "invariants", "oracles", "diff", "schedules", "images", "golden", "sweep", "backends",
+                                       "queues", "analysis", "report", "render", "bench", "commands")]
 
 
 def say(text):
@@ -63,8 +65,11 @@ def planted(options, targets):
     else:
         everything = places(options)
         chosen = listing.sample(everything["faults"], options.planted, options.seed, options.files)
+        if options.again:
+            chosen = again.faults_of(everything["faults"], again.load(KILLED))
         edits = neutral.neutral_edits(everything["faults"], listing.Reader(TOP))
-        chosen += listing.sample(edits, 2 * options.neutral, options.seed, options.files)
+        if not options.again:
+            chosen += listing.sample(edits, 2 * options.neutral, options.seed, options.files)
         state = {"places": len(everything["faults"]), "in_macros": everything["in_macros"], "left_out": [],
                  "faults": [fault | {"number": i + 1} for i, fault in enumerate(chosen)]}
     while True:
@@ -110,6 +115,9 @@ def options_of(words):
     parser.add_argument("--shard", default="1/1", help="I/N: every N-th of the sample, from the I-th")
     parser.add_argument("--json", help="write totals and results to this file; - is standard output")
     parser.add_argument("--badge", help="write a badge's JSON")
+    parser.add_argument("--again", action="store_true",
+                        help="those of killed.json, each by the run that killed it when it was recorded; fails if one is not any more")
+    parser.add_argument("--record", action="store_true", help="write what killed the judged faults into killed.json")
     parser.add_argument("--steps", type=int, default=9, help="only so many verdicts of a fault, cheap ones first; go on later")
     parser.add_argument("--no-tests", action="store_true", help="verification only, no unit tests")
     parser.add_argument("--no-build", action="store_true", help="take the copy as it is, however the sources have changed")
@@ -159,11 +167,15 @@ def main():
         state = listing.load(os.path.join(options.folder, "planted.json"))
     else:
         copy, state = planted(options, PROGRAMS + ([] if options.no_tests else TESTS))
+    if options.again:
+        return again.judge_all(state["faults"], again.load(KILLED), copy, options.jobs, say)
     chosen = sampled(options, state["faults"])
     if not options.only_score:
         judge_all(options, copy, chosen, results_path)
     latest = {r["key"]: r for r in scores.load_results(results_path)}
     results = [latest[f["key"]] for f in chosen if f["key"] in latest]
+    if options.record:
+        again.record(KILLED, results)
     made = scores.scores(results, scores.load_equivalents(os.path.join(HERE, "equivalents.json")))
     made |= {"places": state["places"], "planted": len(state["faults"]), "do_not_compile": len(state["left_out"]),
              "in_macros": state["in_macros"]}

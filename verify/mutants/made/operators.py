@@ -14,6 +14,7 @@ TABLES = (("relational", RELATIONAL), ("arithmetic", ARITHMETIC), ("logical", LO
 COMPONENT = {"x": "y", "y": "z", "z": "x"}
 EXTREME = {"min": "max", "max": "min", "fmin": "fmax", "fmax": "fmin", "min_of": "max_of", "max_of": "min_of",
            "fminf": "fmaxf", "fmaxf": "fminf"}
+COMMUTATIVE = {"dot": ""}  # products and sums of two numbers are the same either way, to the bit
 ATOMICS = {"atomic_add", "atomic_max", "atomic_min", "atomic_min_distance", "fetch_add", "fetch_min"}
 BARRIERS = ("SCOTTY_SYNC", "__syncthreads", "__syncwarp", "__threadfence", "barrier", "fence")
 
@@ -74,7 +75,7 @@ def call(name, callee, arguments):
         yield "extreme", f"{head}{EXTREME[name]}{tail}(" + ", ".join(text for _, text in arguments) + ")"
     if name in ATOMICS and callee == name and len(arguments) == 2:
         yield "atomic", f"::scotty::made::plain_{name}({arguments[0][1]}, {arguments[1][1]})"
-    if name in EXTREME:
+    if name in EXTREME | COMMUTATIVE:
         return  # whose arguments may be swapped
     for i in range(len(arguments) - 1):
         (one, first), (two, second) = arguments[i], arguments[i + 1]
