@@ -29,14 +29,14 @@ struct FinalHits {
 template <int Width>
 SCOTTY_DEVICE void end_ray(const SubtreeRay<Width>& walk, std::uint32_t ray_id, const HitView& hits,
                            const MinimumView& minimum, const FinalHits& final_hits) {
-    const bool hit = reference::is_hit(walk.best);
+    const bool hit = has_hit(walk);
     if (final_hits.merged != nullptr) {
-        store_record(final_hits.merged + ray_id, hit ? walk.best : reference::no_hit());
+        store_record(final_hits.merged + ray_id, best_hit(walk));
     } else if (final_hits.radiance != nullptr) {
-        const bool alive = walk.t_min <= walk.t_max;
+        const bool alive = walk.t_min <= walk.best_t;  // nothing else limits it
         if (alive && !hit) final_hits.radiance[ray_id] += final_hits.potential[ray_id];
     } else if (hit) {
-        record_hit(ray_id, {walk.best.t, walk.best.primitive}, hits, minimum);
+        record_hit(ray_id, {walk.best_t, walk.best_primitive}, hits, minimum);
     }
 }
 

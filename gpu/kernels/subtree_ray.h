@@ -28,11 +28,27 @@ struct SubtreeRay {
     reference::Vec3 origin;  ///< axes swapped, as for the shear
     reference::RayShear shear;
     float t_min;
-    float t_max;
-    reference::Hit best;    ///< only t if there is none yet: it culls
+    float best_t;                  ///< what culls: the best hit, or how far the ray goes
+    std::uint32_t best_primitive;  ///< at equal t lower ones win; without a hit, all or none do
+    /// Of the best hit, 0 if there is none; its barycentrics are these edges over it.
+    float determinant;
+    float edge_v, edge_w;
     std::uint32_t at;       ///< where the ray is; kNone: at its end
     std::uint32_t waiting;  ///< entries of the ray's SubtreeStack
 };
+
+template <int Width>
+SCOTTY_DEVICE bool has_hit(const SubtreeRay<Width>& walk) {
+    return walk.determinant != 0.0f;
+}
+
+/// The divisions are left until the hit is final.
+template <int Width>
+SCOTTY_DEVICE reference::Hit best_hit(const SubtreeRay<Width>& walk) {
+    if (!has_hit(walk)) return reference::no_hit();
+    return {walk.best_t, walk.best_primitive, walk.edge_v / walk.determinant,
+            walk.edge_w / walk.determinant};
+}
 
 /// Children that wait. They are not in SubtreeRay, because an array that is indexed at run time
 /// keeps its whole object in memory.
@@ -80,9 +96,12 @@ SCOTTY_DEVICE void begin_subtree(SubtreeRay<Width>& walk, const BvhView<Width>& 
     walk.shear = reference::ray_shear(ray.direction);
     walk.origin = reference::swap_axes(ray.origin, walk.shear.kz);
     walk.t_min = reference::first_entry(ray);
-    walk.t_max = ray.t_max;
-    walk.best = reference::no_hit();
-    walk.best.t = limit < ray.t_max ? limit : ray.t_max;
+    // A hit at the limit counts, one at t_max does not.
+    walk.best_t = limit < ray.t_max ? limit : ray.t_max;
+    walk.best_primitive = limit < ray.t_max ? reference::kNone : 0;
+    walk.determinant = 0.0f;
+    walk.edge_v = 0.0f;
+    walk.edge_w = 0.0f;
     walk.waiting = 0;
     walk.at = reference::is_dead(ray) ? reference::kNone : root.at;
 }
@@ -128,7 +147,7 @@ SCOTTY_DEVICE void children_of(const SubtreeRay<Width>& walk, std::uint32_t (&ke
                 least_bits(least_bits(fmaf(leave_x.at[i], slabs.inverse.x, slabs.far_offset.x),
                                       fmaf(leave_y.at[i], slabs.inverse.y, slabs.far_offset.y),
                                       fmaf(leave_z.at[i], slabs.inverse.z, slabs.far_offset.z)),
-                           walk.best.t);
+                           walk.best_t);
             const auto child = static_cast<std::uint32_t>(group * kGroup + i);
             keys[child] = enters <= leaves ? reference::visit_key(enters, child) : reference::kNone;
         }
@@ -148,7 +167,7 @@ SCOTTY_DEVICE void next_visit(SubtreeRay<Width>& walk, const SubtreeStack& stack
     walk.at = reference::kNone;
     while (walk.waiting != 0) {
         const SubtreeStack::Child top = stack.children[--walk.waiting];
-        if (bits_float(top.key & ~reference::kChildBits) > walk.best.t) continue;
+        if (bits_float(top.key & ~reference::kChildBits) > walk.best_t) continue;
         walk.at = child_ref(bvh, top.parent, top.key);
         break;
     }
@@ -175,15 +194,16 @@ SCOTTY_DEVICE void enter_nodes(SubtreeRay<Width>& walk, SubtreeStack& stack,
     }
 }
 
-/// Lowers the best hit by one triangle; returns whether that is the last of its leaf.
+/// Lowers the best hit by the triangle whose rows begin at `first`; returns whether that is the
+/// last of its leaf.
 template <int Width>
-SCOTTY_DEVICE bool visit_triangle(SubtreeRay<Width>& walk, const TriangleRows& triangle) {
+SCOTTY_DEVICE bool visit_triangle(SubtreeRay<Width>& walk, const TriangleRow* rows,
+                                  std::uint32_t first) {
     using reference::Vec3;
-    const bool x_last = walk.shear.kz == 0;
-    const bool y_last = walk.shear.kz == 1;
-    const TriangleRow x = load_record(&triangle.axis[x_last ? 2 : 0]);
-    const TriangleRow y = load_record(&triangle.axis[y_last ? 2 : 1]);
-    const TriangleRow z = load_record(&triangle.axis[walk.shear.kz]);
+    const auto kz = static_cast<std::uint32_t>(walk.shear.kz);
+    const TriangleRow x = load_record(rows + (first + (kz == 0 ? 2u : 0u)));
+    const TriangleRow y = load_record(rows + (first + (kz == 1 ? 2u : 1u)));
+    const TriangleRow z = load_record(rows + (first + kz));
     const bool last = (x.primitive_and_last & kLastBit) != 0;
     const Vec3 v0(x.v0, y.v0, z.v0);
     const Vec3 v1(x.v1, y.v1, z.v1);
@@ -193,15 +213,18 @@ SCOTTY_DEVICE bool visit_triangle(SubtreeRay<Width>& walk, const TriangleRows& t
                             crossing)) {
         return last;
     }
-    reference::Hit hit = reference::no_hit();
-    hit.primitive = x.primitive_and_last & ~kLastBit;
-    if (reference::cut_to_box(crossing, walk.origin,
-                              reference::swap_axes(walk.slabs.inverse, walk.shear.kz),
-                              reference::min_number(reference::min_number(v0, v1), v2),
-                              reference::max_number(reference::max_number(v0, v1), v2), hit) &&
-        walk.t_min <= hit.t && hit.t < walk.t_max &&
-        reference::closer(hit.t, hit.primitive, walk.best.t, walk.best.primitive)) {
-        walk.best = hit;
+    const reference::CutDistance cut = reference::cut_distance(
+        crossing.t, walk.origin, reference::swap_axes(walk.slabs.inverse, walk.shear.kz),
+        reference::min_number(reference::min_number(v0, v1), v2),
+        reference::max_number(reference::max_number(v0, v1), v2));
+    const std::uint32_t primitive = x.primitive_and_last & ~kLastBit;
+    if (cut.inside && walk.t_min <= cut.t &&
+        reference::closer(cut.t, primitive, walk.best_t, walk.best_primitive)) {
+        walk.best_t = cut.t;
+        walk.best_primitive = primitive;
+        walk.determinant = crossing.determinant;
+        walk.edge_v = crossing.edges.v;
+        walk.edge_w = crossing.edges.w;
     }
     return last;
 }
@@ -211,9 +234,9 @@ template <bool Any, int Width>
 SCOTTY_DEVICE void intersect_leaves(SubtreeRay<Width>& walk, const SubtreeStack& stack,
                                     const BvhView<Width>& bvh) {
     while (reference::is_leaf(walk.at) && walk.at != reference::kNone) {
-        const TriangleRows* triangle = bvh.triangles + reference::ref_index(walk.at);
-        while (!visit_triangle(walk, *triangle)) ++triangle;
-        if (Any && reference::is_hit(walk.best)) {
+        std::uint32_t first = 3 * reference::ref_index(walk.at);
+        while (!visit_triangle(walk, bvh.triangles->axis, first)) first += 3;
+        if (Any && has_hit(walk)) {
             walk.at = reference::kNone;
         } else {
             next_visit(walk, stack, bvh);
