@@ -293,7 +293,7 @@ TEST_CASE("checker: memory that nobody has written, that is not there, or no mor
 TEST_CASE("checker: a step beyond a shared object lands in no other", "[simt][checker]") {
     Checked device({});
     const auto step = [&](std::uint32_t index, bool reads) {
-        device.executor.launch("step_beyond_shared", 3, 32, step_beyond_shared, index, reads,
+        device.executor.launch("step_beyond_shared", 1, 32, step_beyond_shared, index, reads,
                                device.memory);
     };
     step(30, true);
