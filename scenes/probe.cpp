@@ -73,13 +73,15 @@ void add_coincident(Scene& scene, const ProbeMaterials& materials) {
     add_quad(scene, Vec3(-1, 0, 1), Vec3(2, 0, 0), Vec3(0, 0, -2), materials.of(0));
     for (const auto& [x, count] : {std::pair{-0.5f, 65u}, std::pair{0.5f, 150u}}) {
         for (std::uint32_t i = 0; i < count; ++i) {
-            const std::uint32_t a = add_vertex(scene, Vec3(x - 0.4f, 0.3f, 0.0f));
-            add_vertex(scene, Vec3(x + 0.4f, 0.4f, 0.1f));
-            add_vertex(scene, Vec3(x, 1.7f, -0.1f));
+            // The last fills the same box the other way round: some rays hit it and no other.
+            const bool last = i + 1 == count;
+            const std::uint32_t a =
+                add_vertex(scene, last ? Vec3(x + 0.4f, 1.7f, 0.0f) : Vec3(x - 0.4f, 0.3f, 0.0f));
+            add_vertex(scene, last ? Vec3(x - 0.4f, 1.6f, -0.1f) : Vec3(x + 0.4f, 0.4f, 0.1f));
+            add_vertex(scene, last ? Vec3(x, 0.3f, 0.1f) : Vec3(x, 1.7f, -0.1f));
             add_triangle(scene, a, a + 1, a + 2, materials.of(i + count));
         }
     }
-    // The last of a leaf's triangles is the only one that some rays hit.
     const std::uint32_t a = add_vertex(scene, Vec3(-0.9f, 0.3f, 0.0f));
     add_vertex(scene, Vec3(0.9f, 0.4f, 0.1f));
     add_vertex(scene, Vec3(0.0f, 1.9f, -0.1f));

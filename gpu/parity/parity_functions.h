@@ -199,7 +199,7 @@ SCOTTY_HD ParityWords parity_case(ParityCase which, const ParityOperands& o) {
         }
         case ParityCase::sample_bsdf: {
             reference::Material material;
-            const std::uint32_t kind = static_cast<std::uint32_t>(4.0f * unit_of(x[5]));
+            const auto kind = static_cast<std::uint32_t>(4.0f * unit_of(x[5]));
             material.kind = static_cast<reference::MaterialKind>(kind);
             material.reflectance = Vec3(unit_of(x[6]), unit_of(x[7]), unit_of(x[8]));
             material.transmittance = material.reflectance;

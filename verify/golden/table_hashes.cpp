@@ -89,7 +89,7 @@ std::string schedules_as_text() {
             for (const std::uint32_t warps : {1u, 7u, 32u}) {
                 order.start_block(schedule.kind, seed, warps);
                 order.start_phase();
-                const auto end = order.warp_order.begin() + warps;
+                const auto* const end = order.warp_order.begin() + warps;
                 text += fmt::format("{} {}\n", fmt::join(order.warp_order.begin(), end, " "),
                                     fmt::join(order.lane_order, " "));
             }

@@ -285,6 +285,7 @@ class SceneSpoiler {
         };
         repaired("of twice the length", sound * 2.0f, sound);
         repaired("of half the length", sound * 0.5f, sound);
+        repaired("a thousandth too long", sound * 1.001f, sound);
         repaired("of nearly no length", Vec3(0.0f, 1e-30f, 0.0f), Vec3(0.0f, 1.0f, 0.0f));
         repaired("without end", Vec3(reference::kInfinity, 0.0f, 0.0f), Vec3(0.0f, 0.0f, 0.0f));
         repaired("that is no number", Vec3(kNan, sound.y, sound.z), Vec3(0.0f, 0.0f, 0.0f));

@@ -4,11 +4,13 @@
 
 #include <array>
 #include <csignal>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "emulation/check/bad_address.h"
 #include "tests/catch.h"
 #include "verify/base/exit_code.h"
 #include "verify/sweep/crash_verdict.h"
@@ -89,6 +91,23 @@ TEST_CASE("crash: more runs than can be named are no harm", "[verify][crash]") {
     CHECK(ended.said.find("run again") != std::string::npos);
     CHECK(ended.said.find("run 63\n") != std::string::npos);
     CHECK(ended.said.find("run 9\n") == std::string::npos);
+}
+
+TEST_CASE("crash: a kernel that reaches memory which is not there ends its launch, not the process",
+          "[verify][crash]") {
+    const Ended ended = child_that([] {
+        catch_crashes();
+        for (int again = 0; again < 2; ++again) {
+            const std::string said = emulation::simt::bad_address_in([] {
+                volatile int* const nowhere = reinterpret_cast<volatile int*>(std::uintptr_t{16});
+                *nowhere = 1;
+            });
+            if (said.find("memory that is not there") == std::string::npos) ::_exit(3);
+        }
+    });
+    REQUIRE(WIFEXITED(ended.status));
+    CHECK(WEXITSTATUS(ended.status) == 0);
+    CHECK(ended.said.empty());
 }
 
 TEST_CASE("crash: handlers of others stay", "[verify][crash]") {
