@@ -202,6 +202,8 @@ class RenderLoop::State {
     PipelineInput input_;
     Backend backend_;
     std::unique_ptr<ProgressiveRenderer> renderer_;
+    /// For paths that are asked for: the other may be in the middle of a render.
+    std::unique_ptr<ProgressiveRenderer> picker_;
     ViewState made_;
     std::uint64_t shown_number_ = 0, done_picture_ = 0;
     bool shown_at_rest_ = false;
@@ -290,7 +292,8 @@ void RenderLoop::State::pick(std::uint64_t asker, const Pick& pixel) {
 }
 
 void RenderLoop::State::make(const ViewState& state) {
-    renderer_.reset();  // before what it borrows changes
+    renderer_.reset();  // before what they borrow changes
+    picker_.reset();
     const bool is_new_tree =
         input_.bvh.node_refs.empty() || needs_new_tree(input_.parameters, state.parameters);
     input_.parameters = state.parameters;
@@ -615,8 +618,10 @@ void RenderLoop::State::trace_picks(const ViewState& state) {
         p.samples_per_pass = 0;
         p.filter = Filter::none;
         PathObserver observer(pixel.y * p.image_width + pixel.x);
-        // A pipeline of its own: the other may be in the middle of a render.
-        backend_.make(input_.scene, input_.bvh, p, {.observer = &observer})->render();
+        const PipelineParameters before = std::exchange(input_.parameters, p);
+        if (!picker_) picker_ = std::make_unique<ProgressiveRenderer>(backend_, input_);
+        picker_->render_observed(observer);
+        input_.parameters = before;
         events_.picked(asker, pixel, observer.path());
     }
 }
