@@ -198,7 +198,9 @@ class Program:
 
     def __init__(self, program, *words):
         self.started = time.perf_counter()
-        self.process = subprocess.Popen([program, "view", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        # A shell's background job ignores SIGINT, and so would the program, by which it is ended.
+        self.process = subprocess.Popen([program, "view", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                                        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
         self.link = self.process.stdout.readline().strip()
         if not self.link.startswith("http://"):
             self.process.kill()
