@@ -621,6 +621,7 @@ void RenderLoop::State::trace_picks(const ViewState& state) {
         const PipelineParameters before = std::exchange(input_.parameters, p);
         if (!picker_) picker_ = std::make_unique<ProgressiveRenderer>(backend_, input_);
         picker_->render_observed(observer);
+        picker_->pipeline().clear_launches();
         input_.parameters = before;
         events_.picked(asker, pixel, observer.path());
     }
