@@ -218,7 +218,8 @@ TEST_CASE("outputs: a folder that is not there is said before the work starts", 
          {"verify --json ", "verify --html ", "verify --junit ", "verify --report ",
           "capture cornell -o ", "bench emulator --json ", "mutants --json ",
           "diff a.exr b.exr --heatmap ", "render cornell -o "}) {
-        const Result result = scotty_here(command + gone + ".png");
+        const Result result =
+            scotty_here(command + gone + (command.ends_with("--json ") ? ".json" : ".png"));
         INFO("scotty " << command << "\n" << result.err);
         CHECK(result.exit_code == 2);
         CHECK_THAT(result.err, ContainsSubstring("does not exist"));

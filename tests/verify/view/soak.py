@@ -89,7 +89,7 @@ def someone(link, seed, end):
 
 
 def main():
-    options = argparse.ArgumentParser(usage=__doc__)
+    options = argparse.ArgumentParser(usage=__doc__.replace("%", "%%"))
     options.add_argument("--minutes", type=float, default=30.0)
     options.add_argument("--clients", type=int, default=10)
     options.add_argument("--seed", type=int, default=1)

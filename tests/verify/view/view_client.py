@@ -58,7 +58,7 @@ def rest(viewer, camera):
 
 
 def main():
-    options = argparse.ArgumentParser(usage=__doc__)
+    options = argparse.ArgumentParser(usage=__doc__.replace("%", "%%"))
     options.add_argument("--seconds", type=float, default=10.0)
     options.add_argument("--samples", type=int, default=1)
     options.add_argument("--at-least", type=float)
