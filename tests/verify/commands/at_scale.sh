@@ -76,10 +76,11 @@ seq 2 | xargs -P 2 -I {} "$scotty" "${cases[@]}" --shard {}/2 --json "$out/cases
 python3 - "$out" <<'TEXT'
 import json, sys
 whole, joined = (json.load(open(f"{sys.argv[1]}/{name}.json")) for name in ("cases", "cases_joined"))
-assert whole["coverage"] == joined["coverage"] and whole["coverage"]["cases"] == 40, "the cases are not what they should be"
+cases = whole["coverage"]["cases"]
+assert whole["coverage"] == joined["coverage"] and cases >= 40, "the cases are not what they should be"
 for report in whole, joined:
     scene = report["scenes"][0]
-    assert report["passed"] and scene["scene"] == "cases" and len(scene["configurations"]) == 40
+    assert report["passed"] and scene["scene"] == "cases" and len(scene["configurations"]) == cases
 assert whole["scenes"][0]["hits"] == joined["scenes"][0]["hits"], "oracles of the parts do not add up"
 TEXT
 echo "whole and joined say the same"
