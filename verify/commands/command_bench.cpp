@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include "reference/base/error.h"
-#include "reference/base/write_file.h"
 #include "scenes/scenes.h"
 #include "verify/backends/backend.h"
 #include "verify/backends/machine.h"

@@ -10,7 +10,6 @@
 #include <thread>
 
 #include "reference/base/error.h"
-#include "reference/base/write_file.h"
 #include "verify/backends/checked_program.h"
 #include "verify/base/output_path.h"
 #include "verify/base/progress.h"

@@ -20,19 +20,6 @@ constexpr const char* kWrapped[] = {"memcpy", "memmove", "memset",  "malloc",
                                     "free",   "_Znwm",   "_Znam",   "_ZdlPv",
                                     "_ZdaPv", "_ZdlPvm", "_ZdaPvm", "__assert_fail"};
 
-std::string text_of_file(const fs::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::stringstream text;
-    text << file.rdbuf();
-    return text.str();
-}
-
-void write_text(const fs::path& path, const std::string& text) {
-    std::ofstream file(path, std::ios::binary);
-    file << text;
-    if (!file) throw reference::Error::bad_input(path.string(), "cannot be written");
-}
-
 void replace_all(std::string& text, const std::string& from, const std::string& to) {
     for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos;) {
         text.replace(at, from.size(), to);
@@ -51,6 +38,19 @@ void run_compiler(const Words& words, const std::string& what) {
 }
 
 }  // namespace
+
+std::string text_of_file(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::stringstream text;
+    text << file.rdbuf();
+    return text.str();
+}
+
+void write_text(const fs::path& path, const std::string& text) {
+    std::ofstream file(path, std::ios::binary);
+    file << text;
+    if (!file) throw reference::Error::bad_input(path.string(), "cannot be written");
+}
 
 void compile_cuda(const CudaCompile& compile) {
     const std::string name = compile.shown_as.empty() ? compile.source : compile.shown_as;

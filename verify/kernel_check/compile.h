@@ -26,6 +26,11 @@ void compile_cuda(const CudaCompile& compile);
 /// executor itself.
 std::vector<std::string> link_options_of_kernels(const std::filesystem::path& executor);
 
+/// Empty where the file cannot be read.
+std::string text_of_file(const std::filesystem::path& path);
+/// Throws bad_input where the file cannot be written.
+void write_text(const std::filesystem::path& path, const std::string& text);
+
 /// `asked`, or $CXX, or g++ or c++. Throws missing_environment where there is none.
 std::string find_compiler(const std::string& asked);
 

@@ -35,19 +35,6 @@ fs::path executor_folder() {
     return folder;
 }
 
-std::string read_file(const fs::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::stringstream text;
-    text << file.rdbuf();
-    return text.str();
-}
-
-void write_file(const fs::path& path, const std::string& text) {
-    std::ofstream file(path, std::ios::binary);
-    file << text;
-    if (!file) throw reference::Error::bad_input(path.string(), "cannot be written");
-}
-
 class Build {
  public:
     Build(const KernelCheck& check, fs::path scratch)
@@ -82,7 +69,7 @@ class Build {
         compile.object = scratch_ / fmt::format("{}.o", number);
         if (number == 0 && !check_.launch.empty()) {
             compile.source = (scratch_ / "0.cu").string();
-            write_file(compile.source,
+            write_text(compile.source,
                        fmt::format("#include \"{}\"\n#line 1 \"--launch\"\n{}",
                                    fs::absolute(source).string(), main_of_launch(check_.launch)));
             compile.shown_as = source;
@@ -196,7 +183,7 @@ KernelReport check_kernels(const KernelCheck& check) {
         if (check.strict) options.environment.emplace_back("SCOTTY_CHECK_STRICT=1");
         const ProgramRun run = run_program(words, options);
         if (run.exit_code != 0 && report.exit_code == 0) report.exit_code = run.exit_code;
-        const nlohmann::json found = nlohmann::json::parse(read_file(file), nullptr, false);
+        const nlohmann::json found = nlohmann::json::parse(text_of_file(file), nullptr, false);
         if (found.is_discarded()) {
             report.ended_by_itself = false;
             report.findings.push_back(
