@@ -208,15 +208,21 @@ SCOTTY_DEVICE bool visit_triangle(SubtreeRay<Width>& walk, const TriangleRow* ro
     const Vec3 v0(x.v0, y.v0, z.v0);
     const Vec3 v1(x.v1, y.v1, z.v1);
     const Vec3 v2(x.v2, y.v2, z.v2);
-    reference::Crossing crossing;
-    if (!reference::crosses(walk.shear, v0 - walk.origin, v1 - walk.origin, v2 - walk.origin,
-                            crossing)) {
-        return last;
+    const Vec3 a = v0 - walk.origin;
+    const Vec3 b = v1 - walk.origin;
+    const Vec3 c = v2 - walk.origin;
+    const reference::ShearedTriangle sheared = reference::shear(walk.shear, a, b, c);
+    reference::EdgeFunctions edges;
+    if (!reference::signed_edges(sheared, edges)) return last;
+    const reference::Crossing crossing = reference::crossing_of(walk.shear, edges, a, b, c);
+    if (!(reference::abs_of(crossing.determinant) > 0.0f)) return last;
+    reference::CutDistance cut{crossing.t, true};
+    if (!reference::cut_changes_nothing(crossing, sheared, walk.origin, a.z)) {
+        cut = reference::cut_distance(crossing.t, walk.origin,
+                                      reference::swap_axes(walk.slabs.inverse, walk.shear.kz),
+                                      reference::min_number(reference::min_number(v0, v1), v2),
+                                      reference::max_number(reference::max_number(v0, v1), v2));
     }
-    const reference::CutDistance cut = reference::cut_distance(
-        crossing.t, walk.origin, reference::swap_axes(walk.slabs.inverse, walk.shear.kz),
-        reference::min_number(reference::min_number(v0, v1), v2),
-        reference::max_number(reference::max_number(v0, v1), v2));
     const std::uint32_t primitive = x.primitive_and_last & ~kLastBit;
     if (cut.inside && walk.t_min <= cut.t &&
         reference::closer(cut.t, primitive, walk.best_t, walk.best_primitive)) {

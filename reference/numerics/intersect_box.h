@@ -19,9 +19,10 @@
 
 namespace scotty::reference {
 
-/// Pad per unit of distance, 2^-20 = 16 units in the last place: about 6 for the sheared vertices
-/// of the triangle test, about 4 for the slab arithmetic, rounded up generously.
-constexpr float kBoxPad = 9.5367431640625e-7f;
+/// Pad per unit of distance, 2^-19 = 32 times half a unit in the last place: 25 for the triangle
+/// test and 4 for the slab arithmetic, as cut_changes_nothing() in intersect_triangle.h counts
+/// them.
+constexpr float kBoxPad = 1.9073486328125e-6f;
 
 /// Reciprocals stay below 2^63, so that a zero direction component needs no special case and
 /// products with coordinates up to kMaxCoordinate stay finite: no 0 * infinity, no NaN.

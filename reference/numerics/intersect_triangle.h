@@ -150,6 +150,28 @@ SCOTTY_HD CutDistance cut_distance(float t, const Vec3& origin, const Vec3& inve
     return {cut + 0.0f, inside};  // -0 becomes +0: distances are ordered by their bits
 }
 
+/// True only where cut_distance() would return crossing.t as it is: almost always, and then box and
+/// cut need not be computed. `origin` and the depth of the triangle's first corner (its last
+/// coordinate relative to the origin) are as for crosses(); the edges have the signs that it found.
+/// docs/design.md has the proof.
+SCOTTY_HD bool cut_changes_nothing(const Crossing& crossing, const ShearedTriangle& s,
+                                   const Vec3& origin, float depth) {
+    const float products = abs_of(s.cx * s.by) + abs_of(s.cy * s.bx) + abs_of(s.ax * s.cy) +
+                           abs_of(s.ay * s.cx) + abs_of(s.bx * s.ay) + abs_of(s.by * s.ax);
+    const float size = max_number(
+        max_number(max_number(abs_of(s.ax), abs_of(s.ay)), max_number(abs_of(s.bx), abs_of(s.by))),
+        max_number(abs_of(s.cx), abs_of(s.cy)));
+    const float reach = max_number(max_number(abs_of(origin.x), abs_of(origin.y)),
+                                   max_number(abs_of(origin.z), abs_of(depth)));
+    const float determinant = abs_of(crossing.determinant);
+    constexpr float kLeastDeterminant = 8.2718061255302767e-25f;  // 2^-80
+    constexpr float kLeastT = 9.31322574615478515625e-10f;        // 2^-30
+    constexpr float kMostT = 1073741824.0f;                       // 2^30, of the reach
+    constexpr float kMostReach = 1152921504606846976.0f;          // 2^60
+    return determinant * reach >= 0.125f * products * size && determinant >= kLeastDeterminant &&
+           crossing.t >= kLeastT && crossing.t <= kMostT * reach && reach <= kMostReach;
+}
+
 /// The hit of a crossing, its t cut to the ray's interval through the triangle's own padded box,
 /// which lies in [low, high]; axes swapped for all arguments or for none. Returns false, and leaves
 /// `hit` alone, where the ray misses the box.

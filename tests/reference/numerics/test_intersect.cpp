@@ -449,3 +449,51 @@ TEST_CASE("traversal: gives brute force's bits, also where triangles and rays ar
     check_traversal<8>(sphere, rays);
     check_traversal<16>(soup(500, 0.5f, 10), rays);
 }
+
+TEST_CASE("triangle: where the cut to the box is said to change nothing, it changes nothing",
+          "[reference][triangle]") {
+    Random random(11);
+    int said = 0;
+    int crossed = 0;
+    int ordinary_crossed = 0;
+    int ordinary_said = 0;
+    for (int i = 0; i < 400000; ++i) {
+        const bool ordinary = i % 2 == 0;
+        Triangle t = hard_triangle(random);
+        Ray ray = hard_ray(random, t);
+        if (ordinary) {
+            const Vec3 centre = uniform3(random, -1.0f, 1.0f);
+            t = {centre + uniform3(random, -0.3f, 0.3f), centre + uniform3(random, -0.3f, 0.3f),
+                 centre};
+            ray = {uniform3(random, -2.0f, 2.0f), 0.0f, Vec3(0.0f), kInfinity};
+            ray.direction = normalize_or((t.v0 + t.v1 + t.v2) / 3.0f - ray.origin, Vec3(1.0f));
+        }
+        if (i % 4 >= 2) {  // all magnitudes
+            const float scale = std::ldexp(1.0f, static_cast<int>(random() % 76) - 38);
+            t = {t.v0 * scale, t.v1 * scale, t.v2 * scale};
+            ray.origin *= scale;
+            ray.direction *= std::ldexp(1.0f, static_cast<int>(random() % 160) - 80);
+        }
+        const RayShear shear_of_ray = ray_shear(ray.direction);
+        const Vec3 a = swap_axes(t.v0 - ray.origin, shear_of_ray.kz);
+        const Vec3 b = swap_axes(t.v1 - ray.origin, shear_of_ray.kz);
+        const Vec3 c = swap_axes(t.v2 - ray.origin, shear_of_ray.kz);
+        Crossing crossing;
+        if (!crosses(shear_of_ray, a, b, c, crossing)) continue;
+        ++crossed;
+        ordinary_crossed += ordinary && i % 4 < 2;
+        const Vec3 origin = swap_axes(ray.origin, shear_of_ray.kz);
+        if (!cut_changes_nothing(crossing, shear(shear_of_ray, a, b, c), origin, a.z)) continue;
+        ++said;
+        ordinary_said += ordinary && i % 4 < 2;
+        const CutDistance cut = cut_distance(crossing.t, ray.origin, safe_inverse(ray.direction),
+                                             min_number(min_number(t.v0, t.v1), t.v2),
+                                             max_number(max_number(t.v0, t.v1), t.v2));
+        CAPTURE(i, crossing.t, cut.t);
+        CHECK(cut.inside);
+        CHECK(bits_of(cut.t) == bits_of(crossing.t));
+    }
+    CHECK(crossed > 50000);
+    CHECK(said > 20000);
+    CHECK(ordinary_said > ordinary_crossed * 95 / 100);
+}
