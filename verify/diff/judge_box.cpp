@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "reference/numerics/intersect_box.h"
+
 namespace scotty::verify {
 
 using reference::Ray;
@@ -13,7 +15,7 @@ using Entered = reference::Verdict;
 
 namespace {
 
-constexpr double kRounding = 1.0 / (1 << 20);
+constexpr double kRounding = double{reference::kBoxPad};
 constexpr double kFar = std::numeric_limits<double>::infinity();
 
 /// The distances between which the ray is inside two planes, and how far they may be off.

@@ -14,9 +14,9 @@ struct BoxVerdict {
     double margin = 0.0;  ///< how far float rounding may move it
 };
 
-/// In double precision. A plane's distance may be off by 2^-20 of the largest length that the test
-/// rounds, as in intersect_box.h; where that decides, the ray grazes the box. The two planes of one
-/// axis are never confused, so that a flat box that is crossed must be entered.
+/// In double precision. A plane's distance may be off by kBoxPad of the largest length that the
+/// test rounds, as in intersect_box.h; where that decides, the ray grazes the box. The two planes
+/// of one axis are never confused, so that a flat box that is crossed must be entered.
 BoxVerdict judge_box(const reference::Vec3& low, const reference::Vec3& high,
                      const reference::Ray& ray);
 
