@@ -119,6 +119,7 @@ StartJob start_job(const json& message) {
     } else if (out.kind == "compare") {
         out.backend = word(member(message, "backend"), "backend");
         if (const json* plant = find(message, "plant")) out.plant = word(*plant, "plant");
+        if (const json* own = find(message, "own_plant")) out.own_plant = word(*own, "own_plant");
     } else if (out.kind != "verify") {
         fail("job", "expected verify, queues or compare");
     }

@@ -55,7 +55,8 @@ struct Pick {
 struct StartJob {
     std::string kind;  ///< "verify", "queues", "compare"
     std::uint32_t x = 0, y = 0;
-    std::string backend, plant;  ///< of a comparison
+    // Of a comparison: the other side, and what is planted in this view's own back end.
+    std::string backend, plant, own_plant;
 };
 struct StopJob {
     std::string kind;

@@ -94,6 +94,12 @@ std::vector<std::string> options_as_words(const PipelineParameters& p,
     return words;
 }
 
+/// What a job runs, one after the other, and what viewers are told of it.
+struct JobPlan {
+    std::vector<std::vector<std::string>> commands;
+    json message;
+};
+
 /// The frame of a viewer's newest request is named in frames for this long a list of requests.
 constexpr std::size_t kMostNoted = 4096;
 
@@ -132,7 +138,12 @@ class ViewSession::State final : public ViewHost {
         if (newest_) server_->offer(newest_);
     }
     ~State() override {
-        jobs_.clear();
+        std::map<std::string, RunningJob> jobs;
+        {
+            const std::lock_guard lock(jobs_mutex_);
+            jobs.swap(jobs_);
+        }
+        jobs.clear();
         std::unique_ptr<ViewServer> server;
         {
             const std::lock_guard lock(mutex_);
@@ -168,7 +179,8 @@ class ViewSession::State final : public ViewHost {
         std::uint64_t shown = 0;
     };
     struct RunningJob {
-        std::unique_ptr<ScratchFolder> folder;
+        std::unique_ptr<ScratchFolder> folder;    ///< of the job that runs
+        std::unique_ptr<ScratchFolder> finished;  ///< of the one before, whose files are shown
         std::unique_ptr<Job> job;
     };
 
@@ -183,7 +195,10 @@ class ViewSession::State final : public ViewHost {
     WebResponse file_of_job(const std::string& kind, const std::string& file,
                             const std::string& type);
     void start_job(const StartJob& wanted);
-    void finish_job(const std::string& kind, const JobResult& result, json message);
+    /// Writes the camera's file into `folder`, where the commands write theirs.
+    JobPlan plan_job(const StartJob& wanted, const ViewState& state, const fs::path& folder) const;
+    void finish_job(const std::string& kind, const fs::path& folder, const JobResult& result,
+                    json message);
     std::string scene_with_camera(const fs::path& folder, const ViewState& state) const;
     json compare(const fs::path& folder, const ViewState& state) const;
 
@@ -368,9 +383,64 @@ std::string ViewSession::State::scene_with_camera(const fs::path& folder,
     return seen_from(loop_.scene().source, file.string());
 }
 
+JobPlan ViewSession::State::plan_job(const StartJob& wanted, const ViewState& state,
+                                     const fs::path& folder) const {
+    using Group = reference::ParameterGroup;
+    const PipelineParameters& p = state.parameters;
+    const std::string scene = scene_with_camera(folder, state);
+    const std::string size = size_text(size_within(p, kJudgedPixels));
+    const auto file = [&](const char* name) { return (folder / name).string(); };
+    JobPlan plan;
+    plan.message = {{"type", "job"}, {"job", wanted.kind}, {"size", size}};
+    if (wanted.kind == "verify") {
+        plan.commands.push_back(
+            {"verify", scene, "--size", size, "--backend", state.backend, "--quick", "--no-golden",
+             "--report", folder.string(), "--bounces", std::to_string(p.bounces), "--light-samples",
+             std::to_string(p.light_samples), "--seed", std::to_string(p.seed)});
+    } else if (wanted.kind == "queues") {
+        const auto [width, height] = size_within(p, kJudgedPixels);
+        if (wanted.x >= p.image_width || wanted.y >= p.image_height) {
+            throw Error::bad_input("pixel", "lies outside of the picture");
+        }
+        const std::string pixel = fmt::format("{},{}", wanted.x * width / p.image_width,
+                                              wanted.y * height / p.image_height);
+        std::vector<std::string> capture{"capture", scene,   "-o", file("capture"), "--size",
+                                         size,      "--spp", "1",  "--backend",     state.backend};
+        const auto words = options_as_words(p, {Group::picture, Group::tree, Group::pipeline});
+        capture.insert(capture.end(), words.begin(), words.end());
+        plan.commands = {
+            capture, {"queues", file("capture"), "--html", file("queues.html"), "--pixel", pixel}};
+        plan.message["pixel"] = pixel;
+    } else {
+        const auto names = RenderLoop::backends();
+        if (std::find(names.begin(), names.end(), wanted.backend) == names.end()) {
+            throw Error::bad_input("backend",
+                                   fmt::format("expected one of {}", fmt::join(names, ", ")));
+        }
+        const std::string compared = size_text(size_within(p, kComparedPixels));
+        plan.message["size"] = compared;
+        const auto add_side = [&](const char* side, const std::string& backend,
+                                  const std::string& plant) {
+            plan.message[side] = backend + (plant.empty() ? "" : " with " + plant);
+            std::vector<std::string> render{"render", scene,   "-o", file(side) + ".npy", "--size",
+                                            compared, "--spp", "1",  "--backend",         backend};
+            auto words = options_as_words(p, {Group::picture});
+            if (backend != "embree") {
+                const auto more = options_as_words(p, {Group::tree, Group::pipeline});
+                words.insert(words.end(), more.begin(), more.end());
+            }
+            render.insert(render.end(), words.begin(), words.end());
+            if (!plant.empty()) render.insert(render.end(), {"--plant", plant});
+            plan.commands.push_back(render);
+        };
+        add_side("a", state.backend, wanted.own_plant);
+        add_side("b", wanted.backend, wanted.plant);
+    }
+    return plan;
+}
+
 void ViewSession::State::start_job(const StartJob& wanted) {
     const ViewState state = loop_.state();
-    const PipelineParameters& p = state.parameters;
     const std::string kind = wanted.kind;
     const bool has_stages = RenderLoop::cannot_show(state.backend, ViewSubject::queues).empty();
     if (kind != "compare" && !has_stages) {
@@ -388,63 +458,9 @@ void ViewSession::State::start_job(const StartJob& wanted) {
     auto folder = std::make_unique<ScratchFolder>();
     fs::create_directories(folder->path());
     const fs::path path = folder->path();
-    const std::string scene = scene_with_camera(path, state);
-    const std::string size = size_text(size_within(p, kJudgedPixels));
-    const auto file = [&](const char* name) { return (path / name).string(); };
-    using Group = reference::ParameterGroup;
-    std::vector<std::vector<std::string>> commands;
-    json message{{"type", "job"}, {"job", kind}};
-    if (kind == "verify") {
-        commands.push_back({"verify", scene, "--size", size, "--backend", state.backend, "--quick",
-                            "--no-golden", "--report", path.string(), "--bounces",
-                            std::to_string(p.bounces), "--light-samples",
-                            std::to_string(p.light_samples), "--seed", std::to_string(p.seed)});
-    } else if (kind == "queues") {
-        const auto [width, height] = size_within(p, kJudgedPixels);
-        if (wanted.x >= p.image_width || wanted.y >= p.image_height) {
-            throw Error::bad_input("pixel", "lies outside of the picture");
-        }
-        const std::string pixel = fmt::format("{},{}", wanted.x * width / p.image_width,
-                                              wanted.y * height / p.image_height);
-        std::vector<std::string> capture{"capture", scene,   "-o", file("capture"), "--size",
-                                         size,      "--spp", "1",  "--backend",     state.backend};
-        const auto words = options_as_words(p, {Group::picture, Group::tree, Group::pipeline});
-        capture.insert(capture.end(), words.begin(), words.end());
-        commands.push_back(capture);
-        commands.push_back(
-            {"queues", file("capture"), "--html", file("queues.html"), "--pixel", pixel});
-        message["pixel"] = pixel;
-    } else {
-        const std::string compared = size_text(size_within(p, kComparedPixels));
-        const auto names = RenderLoop::backends();
-        if (std::find(names.begin(), names.end(), wanted.backend) == names.end()) {
-            throw Error::bad_input("backend",
-                                   fmt::format("expected one of {}", fmt::join(names, ", ")));
-        }
-        for (const bool second : {false, true}) {
-            const std::string backend = second ? wanted.backend : state.backend;
-            std::vector<std::string> render{
-                "render",    scene,    "-o",    file(second ? "b.npy" : "a.npy"),
-                "--size",    compared, "--spp", "1",
-                "--backend", backend};
-            auto words = options_as_words(p, {Group::picture});
-            if (backend != "embree") {
-                const auto more = options_as_words(p, {Group::tree, Group::pipeline});
-                words.insert(words.end(), more.begin(), more.end());
-            }
-            render.insert(render.end(), words.begin(), words.end());
-            if (second && !wanted.plant.empty()) {
-                render.insert(render.end(), {"--plant", wanted.plant});
-            }
-            commands.push_back(render);
-        }
-        message["size"] = compared;
-        message["a"] = state.backend;
-        message["b"] = wanted.backend + (wanted.plant.empty() ? "" : " with " + wanted.plant);
-    }
-    message.emplace("size", size);  // unless it is another
-    const auto done = [this, kind, message, path, state](const JobResult& result) {
-        json finished = message;
+    const auto [commands, message] = plan_job(wanted, state, path);
+    const auto done = [this, kind, about = message, path, state](const JobResult& result) {
+        json finished = about;
         if (kind == "compare" && result.exit_code == 0 && !result.stopped && result.signal == 0) {
             try {
                 finished.update(compare(path, state));
@@ -452,26 +468,34 @@ void ViewSession::State::start_job(const StartJob& wanted) {
                 finished["text"] = error.what();
             }
         }
-        finish_job(kind, result, std::move(finished));
+        finish_job(kind, path, result, std::move(finished));
     };
     json started = message;
     started["state"] = "running";
     started["command"] = shell_line(commands.front());
     send_to_all(started);
-    RunningJob before;
+    std::unique_ptr<Job> before;
     {
         const std::lock_guard lock(jobs_mutex_);
-        before = std::exchange(jobs_[kind], {});
+        before = std::move(jobs_[kind].job);
     }
-    before.job.reset();
+    before.reset();
     const std::lock_guard lock(jobs_mutex_);
     RunningJob& entry = jobs_[kind];
     entry.folder = std::move(folder);
     entry.job = std::make_unique<Job>(commands, path, done);
 }
 
-void ViewSession::State::finish_job(const std::string& kind, const JobResult& result,
-                                    json message) {
+void ViewSession::State::finish_job(const std::string& kind, const fs::path& folder,
+                                    const JobResult& result, json message) {
+    if (!result.stopped) {
+        const std::lock_guard lock(jobs_mutex_);
+        const auto found = jobs_.find(kind);
+        if (found != jobs_.end() && found->second.folder &&
+            found->second.folder->path() == folder) {
+            found->second.finished = std::move(found->second.folder);
+        }
+    }
     if (result.stopped) {
         message["state"] = "stopped";
     } else if (result.exit_code == 0 && result.signal == 0) {
@@ -515,9 +539,9 @@ WebResponse ViewSession::State::file_of_job(const std::string& kind, const std::
                                             const std::string& type) {
     const std::lock_guard lock(jobs_mutex_);
     const auto found = jobs_.find(kind);
-    if (found == jobs_.end() || !found->second.folder)
+    if (found == jobs_.end() || !found->second.finished)
         return not_found("nobody has asked for it yet");
-    return {200, type, bytes_of(found->second.folder->path() / file), {}};
+    return {200, type, bytes_of(found->second.finished->path() / file), {}};
 }
 
 WebResponse ViewSession::State::saved_picture(const std::string& extension) {

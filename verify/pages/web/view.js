@@ -60,7 +60,7 @@ const heard = {
     byId('connection').textContent = `connected, ${message.viewers} ${message.viewers === 1 ? 'viewer' : 'viewers'}`;
   },
   changed(message) { controls.changed(message); announce(message.text); },
-  error(message) { problem(message.text); announce(message.text); },
+  error(message) { view.compareAsked = false; problem(message.text); announce(message.text); },
   failed(message) { problem(message.text); },
   path(message) {
     if (view.focus) {
@@ -103,6 +103,7 @@ const jobs = {
   compare(message) {
     const running = message.state === 'running';
     byId('compare-start').disabled = running;
+    view.compareAsked = false;
     byId('compare-said').textContent = running ? `rendering ${message.a} and ${message.b} …` : (message.text ?? `the comparison ${jobWords[message.state]}: ${lastLine(message.output)}`);
     byId('compare-said').className = message.different > 0 ? 'fault' : '';
     if (message.state !== 'passed') return;
@@ -110,6 +111,7 @@ const jobs = {
     byId('compare-a-name').textContent = message.a;
     byId('compare-b-name').textContent = message.b;
     for (const name of ['a', 'b', 'difference']) byId(`compare-${name}`).src = `compare/${name}.png?${performance.now()}`;
+    compareIfLive(); // the camera may have moved meanwhile
   },
 };
 
@@ -144,7 +146,7 @@ function seen(header, bitmaps) {
     view.restedAt = header.state;
     announce(`${header.samples} samples: the picture is complete`);
   }
-  if (header.rest && view.comparedAt !== header.state && byId('compare-live').checked && !byId('compare-start').disabled) startCompare();
+  compareIfLive();
 }
 
 function redrawPath() { drawPath(overlay, view.path, view.header?.camera); }
@@ -351,6 +353,11 @@ byId('verify-stop').addEventListener('click', () => send({ type: 'stop', job: 'v
 byId('queues-start').addEventListener('click', () => { if (view.path) startJob('queues', { x: view.path.x, y: view.path.y }); });
 function startCompare() {
   view.comparedAt = view.header?.state;
-  startJob('compare', { backend: byId('compare-backend').value, plant: byId('compare-plant').value.trim() });
+  view.compareAsked = true; // until the program has answered
+  startJob('compare', { backend: byId('compare-backend').value, plant: byId('compare-plant').value.trim(), own_plant: byId('compare-own-plant').value.trim() });
+}
+function compareIfLive() {
+  const free = !view.compareAsked && !byId('compare-start').disabled;
+  if (free && byId('compare-live').checked && view.comparedAt !== view.header?.state) startCompare();
 }
 byId('compare-start').addEventListener('click', startCompare);
