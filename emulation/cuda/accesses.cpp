@@ -181,8 +181,9 @@ void Machine::check(Region& region, Access access, const std::byte* at, std::siz
             }
             // A record that is copied whole may have gaps that nobody writes.
             if (missing != 0 && (whole || missing == bytes)) {
-                report_memory(FindingKind::unwritten, &region, memory_text(region, first), access,
-                              place);
+                thread.unsure_reads.push_back(
+                    {at, memory_finding(FindingKind::unwritten, &region, memory_text(region, first),
+                                        access, place)});
             }
         }
         if (writes(access)) region.set_written(first, bytes);
@@ -297,8 +298,8 @@ void Machine::check_elsewhere(Access access, const std::byte* at, std::size_t by
     static_cast<void>(bytes);
 }
 
-void Machine::report_memory(FindingKind kind, const Region* region, const std::string& what,
-                            Access access, std::uint32_t place) {
+Finding Machine::memory_finding(FindingKind kind, const Region* region, const std::string& what,
+                                Access access, std::uint32_t place) const {
     Finding finding;
     finding.kind = kind;
     finding.kernel = info_.kernel;
@@ -313,7 +314,46 @@ void Machine::report_memory(FindingKind kind, const Region* region, const std::s
             finding.other.place = region->freed_place;
         }
     }
-    findings_.add(std::move(finding));
+    return finding;
+}
+
+void Machine::report_memory(FindingKind kind, const Region* region, const std::string& what,
+                            Access access, std::uint32_t place) {
+    findings_.add(memory_finding(kind, region, what, access, place));
+}
+
+void Machine::report_unsure_reads(Thread& thread) {
+    for (UnsureRead& read : thread.unsure_reads) findings_.add(std::move(read.finding));
+    thread.unsure_reads.clear();
+}
+
+void Machine::record_copied(Access access, const void* record, std::size_t bytes,
+                            std::size_t alignment) {
+    Thread& thread = *current_thread;
+    const auto* const begin = static_cast<const std::byte*>(record);
+    findings_.calls().mark_copy(thread.stack_of_calls);
+    const bool is_aligned = reinterpret_cast<std::uintptr_t>(begin) % alignment == 0;
+    if (is_aligned && thread.unsure_reads.empty()) return;
+    const Region* const region = thread.block->holds_shared(begin)
+                                     ? shared_region(*thread.block, begin)
+                                     : memory_.find(begin);
+    if (region == nullptr) return;
+    const auto first = static_cast<std::size_t>(begin - region->begin);
+    if (!is_aligned) {
+        report_memory(FindingKind::misaligned, region,
+                      memory_text(*region, first) + ", " + std::to_string(bytes) +
+                          " bytes at an address that is no multiple of " +
+                          std::to_string(alignment),
+                      access, thread.last_place);
+    }
+    std::size_t missing = 0;
+    for (std::size_t byte = first; byte < first + bytes; ++byte) {
+        missing += region->is_unwritten(byte) ? 1 : 0;
+    }
+    if (missing == bytes) return;
+    std::erase_if(thread.unsure_reads, [&](const UnsureRead& read) {
+        return read.at >= begin && read.at < begin + bytes;
+    });
 }
 
 std::string Machine::memory_text(const Region& region, std::size_t byte) const {
@@ -442,15 +482,16 @@ void Machine::report_call(FindingKind kind, const std::string& what, const void*
     findings_.add(finding);
 }
 
-void Machine::enter_function(const void* caller) {
+void Machine::enter_function(const void* caller, const void* entry) {
     Thread& thread = *current_thread;
     Machine& machine = get();
-    thread.stack_of_calls =
-        machine.findings_.calls().enter(thread.stack_of_calls, machine.offset_in_text(caller));
+    thread.stack_of_calls = machine.findings_.calls().enter(
+        thread.stack_of_calls, machine.offset_in_text(caller), machine.offset_in_text(entry));
 }
 
 void Machine::leave_function() {
     Thread& thread = *current_thread;
+    if (!thread.unsure_reads.empty()) get().report_unsure_reads(thread);
     thread.stack_of_calls = get().findings_.calls().parent(thread.stack_of_calls);
 }
 

@@ -137,7 +137,16 @@ std::vector<std::uint32_t> CallTree::places(std::uint32_t node) const {
     return out;
 }
 
+void Findings::leave_copies(Actor& actor) const {
+    while (calls_.is_copy(actor.stack)) {
+        actor.place = calls_.place(actor.stack);
+        actor.stack = calls_.parent(actor.stack);
+    }
+}
+
 std::size_t Findings::add(Finding finding) {
+    leave_copies(finding.one);
+    leave_copies(finding.other);
     // What races, not where in it: neighbours of one array are one finding.
     std::string subject;
     if (finding.kind != FindingKind::race && finding.kind != FindingKind::same_value_race) {
@@ -195,7 +204,9 @@ std::string Findings::take(bool warnings) {
 std::vector<Finding> Findings::sorted() const {
     std::vector<Finding> out = findings_;
     std::vector<std::uint32_t> places;
-    for (const Finding& finding : out) {
+    for (Finding& finding : out) {
+        leave_copies(finding.one);
+        leave_copies(finding.other);
         for (const Actor* actor : {&finding.one, &finding.other}) {
             places.push_back(actor->place);
             for (const std::uint32_t place : calls_.places(actor->stack)) places.push_back(place);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -58,21 +59,31 @@ struct Finding {
 /// The calls that lead to a place, as a tree: a stack is a node.
 class CallTree {
  public:
-    std::uint32_t enter(std::uint32_t parent, std::uint32_t place) {
+    /// A call from `place` of the function that begins at `entry`.
+    std::uint32_t enter(std::uint32_t parent, std::uint32_t place, std::uint32_t entry) {
         const auto [at, is_new] =
             children_.try_emplace({parent, place}, static_cast<std::uint32_t>(nodes_.size()));
-        if (is_new) nodes_.push_back({parent, place});
+        if (is_new) nodes_.push_back({parent, place, entry});
         return at->second;
     }
     std::uint32_t parent(std::uint32_t node) const { return nodes_[node].parent; }
+    /// The function of this call copies a record, as the compiler has written it.
+    void mark_copy(std::uint32_t node) { copies_.insert(nodes_[node].entry); }
+    /// Whether it does: the place of the call says more than one in the function.
+    bool is_copy(std::uint32_t node) const {
+        return !copies_.empty() && node != 0 && copies_.count(nodes_[node].entry) != 0;
+    }
     /// The places of the calls, innermost first.
     std::vector<std::uint32_t> places(std::uint32_t node) const;
+    std::uint32_t place(std::uint32_t node) const { return nodes_[node].place; }
 
  private:
     struct Node {
         std::uint32_t parent = 0;
         std::uint32_t place = 0;
+        std::uint32_t entry = 0;
     };
+    std::set<std::uint32_t> copies_;  ///< entries
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> children_;
     std::vector<Node> nodes_{1};
 };
@@ -98,6 +109,8 @@ class Findings {
 
  private:
     std::vector<Finding> sorted() const;
+    /// What a function that copies a record does, its caller does.
+    void leave_copies(Actor& actor) const;
 
     std::vector<Finding> findings_;
     std::map<std::tuple<FindingKind, std::string, std::uint32_t, std::uint32_t, std::string>,

@@ -90,7 +90,7 @@ struct Hooks {
 extern "C" {
 void __tsan_atomic_thread_fence(int) {}
 void __tsan_func_entry(void* caller) {
-    if (current_thread != nullptr) Machine::enter_function(caller);
+    if (current_thread != nullptr) Machine::enter_function(caller, SCOTTY_PLACE);
 }
 void __tsan_func_exit() {
     if (current_thread != nullptr) Machine::leave_function();
@@ -192,6 +192,11 @@ void leave(const char*, int line) {
 }
 void register_variable(void* variable, size_t bytes, const char* name, Space space) {
     Machine::get().register_variable(variable, bytes, name, space);
+}
+void record_copied(const void* to, const void* from, size_t bytes, size_t alignment) {
+    if (current_thread == nullptr) return;
+    Machine::get().record_copied(Access::read, from, bytes, alignment);
+    Machine::get().record_copied(Access::write, to, bytes, alignment);
 }
 bool in_kernel() { return current_thread != nullptr; }
 uint64_t clock_now() { return Machine::get().clock(); }

@@ -350,6 +350,7 @@ void Machine::end_thread(FindingKind kind, const std::string& why, std::uint32_t
     finding.kernel = info_.kernel;
     finding.what = why;
     finding.one = actor(*current_thread, place, "fails");
+    report_unsure_reads(*current_thread);
     findings_.add(finding);
     set_error(code);
     sticky_ = true;

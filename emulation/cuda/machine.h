@@ -109,8 +109,10 @@ class Machine {
     std::uint32_t offset_in_text(const void* place) const {
         return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(place) - text_begin_);
     }
-    static void enter_function(const void* caller);
+    static void enter_function(const void* caller, const void* entry);
     static void leave_function();
+    /// The running function has copied a record: the loads and stores of its members were one.
+    void record_copied(Access access, const void* record, std::size_t bytes, std::size_t alignment);
 
  private:
     Machine();
@@ -157,6 +159,9 @@ class Machine {
     Actor actor(const Thread& thread, std::uint32_t place, const char* does) const;
     Actor actor(const Record& record) const;
     std::string memory_text(const Region& region, std::size_t byte) const;
+    Finding memory_finding(FindingKind kind, const Region* region, const std::string& what,
+                           Access access, std::uint32_t place) const;
+    void report_unsure_reads(Thread& thread);
     void report_memory(FindingKind kind, const Region* region, const std::string& what,
                        Access access, std::uint32_t place);
 

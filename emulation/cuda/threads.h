@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "emulation/cuda/clocks.h"
+#include "emulation/cuda/findings.h"
 #include "emulation/cuda/include/scotty_cuda/interface.h"
 #include "emulation/cuda/shadow.h"
 #include "emulation/cuda/stacks.h"
@@ -27,6 +28,12 @@ enum class ThreadState : std::uint8_t {
 };
 
 struct Block;
+
+/// A read of memory that nobody has written, which may turn out to be part of a record's copy.
+struct UnsureRead {
+    const std::byte* at = nullptr;
+    Finding finding;
+};
 
 /// A write whose value is not known yet: whether a race wrote the same value is seen at the
 /// thread's next stop or access.
@@ -75,6 +82,7 @@ struct alignas(64) Thread {
     SharedClocks fenced_block;  ///< the same for fences that hold for the block only
 
     std::vector<OpenWrite> open_writes;
+    std::vector<UnsureRead> unsure_reads;  ///< of the running function
 
     std::uint32_t lane() const { return index % kWarp; }
     std::uint32_t warp() const { return index / kWarp; }

@@ -1,5 +1,6 @@
 #include "verify/kernel_check/compile.h"
 
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
@@ -37,6 +38,14 @@ void run_compiler(const Words& words, const std::string& what) {
     if (ran.exit_code != 0) throw reference::Error::bad_input(what, "\n" + ran.output);
 }
 
+/// The line of a compiler's output that says "error".
+std::string first_error(const std::string& output) {
+    const std::size_t at = output.find("error: ");
+    if (at == std::string::npos) return output;
+    const std::size_t begin = output.rfind('\n', at) + 1;
+    return output.substr(begin, output.find('\n', at) - begin);
+}
+
 }  // namespace
 
 std::string text_of_file(const fs::path& path) {
@@ -52,7 +61,9 @@ void write_text(const fs::path& path, const std::string& text) {
     if (!file) throw reference::Error::bad_input(path.string(), "cannot be written");
 }
 
-void compile_cuda(const CudaCompile& compile) {
+namespace {
+
+void compile_cuda_with(const CudaCompile& compile, CopiesOfRecords copies) {
     const std::string name = compile.shown_as.empty() ? compile.source : compile.shown_as;
     const std::string standard =
         "-std=gnu++" + compile.standard.substr(compile.standard.find_last_of('+') + 1);
@@ -65,6 +76,7 @@ void compile_cuda(const CudaCompile& compile) {
                         "-idirafter",
                         (compile.executor.parent_path().parent_path() / "include").string(),
                         "-include", "scotty_cuda/cuda.h"};
+    if (copies == CopiesOfRecords::unseen) preprocess.push_back("-DSCOTTY_PLAIN_RECORDS");
     preprocess.insert(preprocess.end(), compile.options.begin(), compile.options.end());
     if (!compile.dependencies.empty()) {
         preprocess.insert(preprocess.end(), {"-MD", "-MF", compile.dependencies.string(), "-MT",
@@ -77,13 +89,31 @@ void compile_cuda(const CudaCompile& compile) {
         // Lines shall name the file as the user did.
         replace_all(text, "\"" + fs::absolute(name).string() + "\"", "\"" + name + "\"");
     }
-    write_text(cpp_file, translate_cuda(text));
+    write_text(cpp_file, translate_cuda(text, copies));
     run_compiler(
         {compile.compiler, "-x", "c++-cpp-output", standard, "-w", "-fpermissive", "-O0", "-g",
          "-fno-omit-frame-pointer", "-fsanitize=thread", "--param", "tsan-distinguish-volatile=1",
          "-fdebug-prefix-map=" + fs::current_path().string() + "=.", "-c", "-o",
          compile.object.string(), cpp_file},
         name + " does not compile");
+}
+
+}  // namespace
+
+void compile_cuda(const CudaCompile& compile) {
+    std::string why;
+    try {
+        compile_cuda_with(compile, CopiesOfRecords::seen);
+        return;
+    } catch (const reference::Error& error) {
+        if (error.kind() != reference::ErrorKind::bad_input) throw;
+        why = error.what();
+    }
+    compile_cuda_with(compile, CopiesOfRecords::unseen);  // its error is the program's own
+    std::fprintf(stderr,
+                 "%s: warning: records that are arguments or results of functions are copied "
+                 "unseen, because the program needs them to be plain (docs/cuda-support.md):\n%s\n",
+                 compile.source.c_str(), first_error(why).c_str());
 }
 
 Words link_options_of_kernels(const fs::path& executor) {

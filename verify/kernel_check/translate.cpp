@@ -67,7 +67,8 @@ bool is_decoration(const Token& token) {
 
 class Translator {
  public:
-    explicit Translator(const std::string& text) : text_(text), tokens_(read_tokens(text)) {}
+    Translator(const std::string& text, CopiesOfRecords copies)
+        : text_(text), tokens_(read_tokens(text)), copied_(copies == CopiesOfRecords::seen) {}
 
     std::string run() {
         find_kernels();
@@ -273,6 +274,7 @@ class Translator {
             const bool member = at_ > 0 && (token(at_ - 1).is(".") || token(at_ - 1).is("->"));
             if (!member) refuse(t, refused->second);
         }
+        if (copied_ && (t.is("struct") || t.is("class"))) record();
         if (t.is("__global__")) {
             const std::size_t open = parameters_behind(at_);
             if (open != 0) {
@@ -302,6 +304,46 @@ class Translator {
         } else if (t.is("return") && in_kernel_itself() && token(at_ + 1).is(";")) {
             insert_behind(at_, " ::scotty_cuda::leave(\"\", " + std::to_string(t.line) + ")");
         }
+    }
+    /// The definition of a record gets a last member that makes its copies seen
+    /// (scotty_cuda/copies.h), and a name for it if it has none.
+    void record() {
+        if (at_ > 0 && (token(at_ - 1).is("enum") || token(at_ - 1).is("friend"))) return;
+        std::size_t i = at_ + 1;
+        std::string_view name;
+        for (;; ++i) {
+            const Token& t = token(i);
+            if (t.is("alignas") || t.is("__align__") || t.is("__attribute__")) {
+                i = behind(i + 1) - 1;
+            } else if (t.is("[")) {
+                i = behind(i) - 1;
+            } else if (t.is("<")) {
+                i = behind_angle(i) - 1;
+            } else if (t.is("::") || t.is("final")) {
+                continue;
+            } else if (t.kind == TokenKind::identifier) {
+                name = t.spelling;
+            } else {
+                break;
+            }
+        }
+        const std::size_t head = i;
+        if (token(i).is(":")) {
+            while (i < tokens_.all.size() && !token(i).is("{") && !token(i).is(";")) {
+                i = token(i).is("(") ? behind(i) : token(i).is("<") ? behind_angle(i) : i + 1;
+            }
+        }
+        if (!token(i).is("{")) return;
+        const std::size_t close = behind(i) - 1;
+        std::string given;
+        if (name.empty()) {
+            if (token(close + 1).is(";")) return;  // its members are those of what it stands in
+            given = "scotty_record_" + std::to_string(next_++);
+            edits_.push_back({token(head).begin, token(head).begin, given + " "});
+        }
+        edits_.push_back({token(close).begin, token(close).begin,
+                          "public: [[no_unique_address]] ::scotty_cuda::Copied<" +
+                              (given.empty() ? std::string(name) : given) + "> scotty_copied; "});
     }
     std::string aligned(std::size_t i) const {
         return "__attribute__((aligned" + source(i + 1, behind(i + 1)) + "))";
@@ -558,6 +600,7 @@ class Translator {
 
     const std::string& text_;
     Tokens tokens_;
+    bool copied_;
     std::size_t at_ = 0;
     std::vector<Scope> scopes_;
     std::set<std::size_t> kernel_bodies_;
@@ -571,6 +614,8 @@ class Translator {
 
 }  // namespace
 
-std::string translate_cuda(const std::string& text) { return Translator(text).run(); }
+std::string translate_cuda(const std::string& text, CopiesOfRecords copies) {
+    return Translator(text, copies).run();
+}
 
 }  // namespace scotty::verify

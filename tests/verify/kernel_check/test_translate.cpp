@@ -8,6 +8,7 @@
 #include "verify/kernel_check/translate.h"
 
 using Catch::Matchers::ContainsSubstring;
+using scotty::verify::CopiesOfRecords;
 using scotty::verify::main_of_launch;
 using scotty::verify::translate_cuda;
 
@@ -113,6 +114,26 @@ TEST_CASE("translate: what is not supported is refused by file, line and name", 
     CHECK_THAT(complaint_about("__global__ void k() { k<<<1, 1>>>(); }"),
                ContainsSubstring("dynamic parallelism"));
     CHECK_THAT(complaint_about("__shared__ int a;"), ContainsSubstring("outside of functions"));
+}
+
+TEST_CASE("translate: every record gets a last member that makes its copies seen",
+          "[verify][check]") {
+    const auto member = [](const std::string& of) {
+        return " public: [[no_unique_address]] ::scotty_cuda::Copied<" + of + "> scotty_copied; }";
+    };
+    CHECK(translate_cuda("struct A { int x; };") == "struct A { int x;" + member("A") + ";");
+    CHECK(translate_cuda("template <class T> class alignas(8) B final : C<T> { struct D { }; };") ==
+          "template <class T> class alignas(8) B final : C<T> { struct D {" + member("D") + ";" +
+              member("B") + ";");
+    CHECK(translate_cuda("typedef struct { int x; } F;") ==
+          "typedef struct scotty_record_0 { int x;" + member("scotty_record_0") + " F;");
+    for (const char* const same :
+         {"struct A; struct A* p; enum class E { a }; union U { struct { int x, y; }; int z; };",
+          "template <class T, struct S> void f(class G* g);"}) {
+        CHECK(translate_cuda(same) == same);
+    }
+    const std::string plain = "struct A { int x; };";
+    CHECK(translate_cuda(plain, CopiesOfRecords::unseen) == plain);
 }
 
 TEST_CASE("check: --launch makes a main", "[verify][check]") {

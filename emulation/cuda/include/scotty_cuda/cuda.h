@@ -2,12 +2,15 @@
 #pragma once
 
 #include "atomics.h"
+#include "copies.h"
 #include "interface.h"
 #include "intrinsics.h"
 #include "launch.h"
 #include "runtime.h"
 #include "vector_types.h"
 #include "warp.h"
+
+#include <new>
 
 #include <stdio.h>
 #undef NDEBUG

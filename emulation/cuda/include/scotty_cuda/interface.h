@@ -81,6 +81,10 @@ struct Variable {
     }
 };
 
+/// The loads of the running function were the copy of a record, whose members need not all have
+/// been written.
+void record_copied(const void* to, const void* from, size_t bytes, size_t alignment);
+
 /// Where the program keeps threadIdx, blockIdx, blockDim and gridDim.
 void register_builtins(void* thread, void* block, void* block_size, void* grid_size);
 /// Sets threadIdx and blockIdx, and blockDim and gridDim.

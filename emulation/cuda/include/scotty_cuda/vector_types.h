@@ -3,18 +3,24 @@
 // NOLINTBEGIN
 #pragma once
 
+#include "copies.h"
+
 #define SCOTTY_VECTORS(T, name, align2, align4)                               \
     struct name##1 {                                                          \
         T x;                                                                  \
+        SCOTTY_COPIED(name##1)                                                \
     };                                                                        \
     struct alignas(align2) name##2 {                                          \
         T x, y;                                                               \
+        SCOTTY_COPIED(name##2)                                                \
     };                                                                        \
     struct name##3 {                                                          \
         T x, y, z;                                                            \
+        SCOTTY_COPIED(name##3)                                                \
     };                                                                        \
     struct alignas(align4) name##4 {                                          \
         T x, y, z, w;                                                         \
+        SCOTTY_COPIED(name##4)                                                \
     };                                                                        \
     static inline name##1 make_##name##1(T x) { return {x}; }                 \
     static inline name##2 make_##name##2(T x, T y) { return {x, y}; }         \
