@@ -6,7 +6,9 @@ const int kColumns = 13;
 char* pitched;
 size_t pitch;
 
-__device__ int* row(char* memory, size_t bytes, int number) { return (int*)(memory + number * bytes); }
+__device__ int* row(char* memory, size_t bytes, int number) {
+    return (int*)(memory + number * bytes);
+}
 
 // [clean] each writes its row
 __global__ void write_rows(char* memory, size_t bytes) {
@@ -25,17 +27,20 @@ __global__ void rows_overlap(char* memory, size_t bytes) {
 // [clean] to the host and back
 void copy_rows() {
     int host[kRows][kColumns] = {};
-    cudaMemcpy2D(host, sizeof host[0], pitched, pitch, sizeof host[0], kRows, cudaMemcpyDeviceToHost);
+    cudaMemcpy2D(host, sizeof host[0], pitched, pitch, sizeof host[0], kRows,
+                 cudaMemcpyDeviceToHost);
     if (host[kRows - 1][kColumns - 1] != kColumns - 1) exit(9);
     cudaMemset2D(pitched, pitch, 0, sizeof host[0], kRows);
-    cudaMemcpy2D(host, sizeof host[0], pitched, pitch, sizeof host[0], kRows, cudaMemcpyDeviceToHost);
+    cudaMemcpy2D(host, sizeof host[0], pitched, pitch, sizeof host[0], kRows,
+                 cudaMemcpyDeviceToHost);
     if (host[3][3] != 0) exit(9);
 }
 
 // [out of bounds] more rows than there are
 void copy_rows_beyond() {
     static int host[kRows + 1][kColumns];
-    cudaMemcpy2D(host, sizeof host[0], pitched, pitch, sizeof host[0], kRows + 1, cudaMemcpyDeviceToHost);
+    cudaMemcpy2D(host, sizeof host[0], pitched, pitch, sizeof host[0], kRows + 1,
+                 cudaMemcpyDeviceToHost);
 }
 
 // [data race] launched by the runtime's function

@@ -1,4 +1,5 @@
-// What programs use now and then: cuda::atomic, clocks, naps, loads and stores with hints for the caches.
+// What programs use now and then: cuda::atomic, clocks, naps, loads and stores with hints for the
+// caches.
 #include <cuda/atomic>
 
 #include "corpus.h"
@@ -38,11 +39,14 @@ __global__ void wait_a_while(int* data) {
 }
 
 // [data race] hints change nothing
-__global__ void hinted(int* data) { __stcg(data + threadIdx.x, __ldcg(data + (threadIdx.x + 1) % 32)); }
+__global__ void hinted(int* data) {
+    __stcg(data + threadIdx.x, __ldcg(data + (threadIdx.x + 1) % 32));
+}
 
 // [clean] apart
 __global__ void hinted_apart(const int* a, int* b) {
-    __stcs(b + threadIdx.x, __ldcs(a + (threadIdx.x + 1) % 32) + __ldca(a) + __ldlu(a + 1) + __ldcv(a + 2));
+    __stcs(b + threadIdx.x,
+           __ldcs(a + (threadIdx.x + 1) % 32) + __ldca(a) + __ldlu(a + 1) + __ldcv(a + 2));
 }
 
 // [out of bounds] __ldg behind the end
