@@ -86,6 +86,7 @@ void Machine::access(Access access, const void* address, std::size_t bytes, cons
                      bool block_scope, bool aligned) {
     Thread& thread = *current_thread;
     if (thread.stack->holds(address) || scotty_cuda::is_builtin(address)) return;  // its own
+    if (!thread.is_heard) return;
     const auto* const at = static_cast<const std::byte*>(address);
     if (!thread.open_writes.empty()) close_writes(thread);
     const std::uint32_t offset = offset_in_text(place);

@@ -71,7 +71,7 @@ class CallTree {
     void mark_copy(std::uint32_t node) { copies_.insert(nodes_[node].entry); }
     /// Whether it does: the place of the call says more than one in the function.
     bool is_copy(std::uint32_t node) const {
-        return !copies_.empty() && node != 0 && copies_.count(nodes_[node].entry) != 0;
+        return !copies_.empty() && node != 0 && copies_.contains(nodes_[node].entry);
     }
     /// The places of the calls, innermost first.
     std::vector<std::uint32_t> places(std::uint32_t node) const;

@@ -198,6 +198,7 @@ void record_copied(const void* to, const void* from, size_t bytes, size_t alignm
     Machine::get().record_copied(Access::read, from, bytes, alignment);
     Machine::get().record_copied(Access::write, to, bytes, alignment);
 }
+void hear_accesses(bool heard) { current_thread->is_heard = heard; }
 bool in_kernel() { return current_thread != nullptr; }
 uint64_t clock_now() { return Machine::get().clock(); }
 void give_way() {

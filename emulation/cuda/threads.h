@@ -81,6 +81,7 @@ struct alignas(64) Thread {
     SharedClocks fenced;        ///< at its last fence, which an atomic write passes on
     SharedClocks fenced_block;  ///< the same for fences that hold for the block only
 
+    bool is_heard = true;  ///< its accesses are looked at
     std::vector<OpenWrite> open_writes;
     std::vector<UnsureRead> unsure_reads;  ///< of the running function
 

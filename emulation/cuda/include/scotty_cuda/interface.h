@@ -85,6 +85,9 @@ struct Variable {
 /// been written.
 void record_copied(const void* to, const void* from, size_t bytes, size_t alignment);
 
+/// Whether loads and stores of the running thread are looked at.
+void hear_accesses(bool heard);
+
 /// Where the program keeps threadIdx, blockIdx, blockDim and gridDim.
 void register_builtins(void* thread, void* block, void* block_size, void* grid_size);
 /// Sets threadIdx and blockIdx, and blockDim and gridDim.

@@ -51,7 +51,9 @@ struct Call {
 
     template <size_t... I>
     SCOTTY_UNSEEN void run(std::index_sequence<I...>) const {
+        hear_accesses(false);  // they are the host's, and CUDA's to copy
         Arguments copy = arguments;
+        hear_accesses(true);
         kernel(static_cast<std::tuple_element_t<I, Arguments>&&>(std::get<I>(copy))...);
     }
     SCOTTY_UNSEEN static void thread(void* memory) {
