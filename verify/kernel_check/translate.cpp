@@ -322,6 +322,8 @@ class Translator {
             } else if (t.is("::") || t.is("final")) {
                 continue;
             } else if (t.kind == TokenKind::identifier) {
+                if (token(i - 1).kind == TokenKind::identifier && !name.empty())
+                    return;  // struct A a
                 name = t.spelling;
             } else {
                 break;

@@ -127,9 +127,9 @@ TEST_CASE("translate: every record gets a last member that makes its copies seen
               member("B") + ";");
     CHECK(translate_cuda("typedef struct { int x; } F;") ==
           "typedef struct scotty_record_0 { int x;" + member("scotty_record_0") + " F;");
-    for (const char* const same :
-         {"struct A; struct A* p; enum class E { a }; union U { struct { int x, y; }; int z; };",
-          "template <class T, struct S> void f(class G* g);"}) {
+    for (const char* const same : {"struct A; struct A* p; struct A a{1}; struct A f(); enum class "
+                                   "E { a }; union U { struct { int x, y; }; int z; };",
+                                   "template <class T, struct S> void f(class G* g);"}) {
         CHECK(translate_cuda(same) == same);
     }
     const std::string plain = "struct A { int x; };";
