@@ -102,14 +102,14 @@ Manifest read_manifest(const fs::path& golden) {
     const fs::path file = manifest_path(golden);
     const json object = read_json(file);
     expect_format(file, object, kFormat, kManifestVersion);
-    const json& cases = member(file.string(), object, "cases");
-    if (!cases.is_array()) throw Error::bad_input(file.string(), "'cases': expected a list");
+    const std::string place = file.string();
+    const json& cases = member(place, object, "cases");
+    if (!cases.is_array()) throw Error::bad_input(place, "'cases': expected a list");
     Manifest manifest;
     for (const json& item : cases) {
-        GoldenEntry entry = parse_entry(file.string(), item);
+        GoldenEntry entry = parse_entry(place, item);
         if (manifest.find(entry.name) != nullptr) {
-            throw Error::bad_input(file.string(),
-                                   fmt::format("case '{}' is there twice", entry.name));
+            throw Error::bad_input(place, fmt::format("case '{}' is there twice", entry.name));
         }
         manifest.entries.push_back(std::move(entry));
     }

@@ -83,12 +83,13 @@ std::vector<Waiver> read_waivers(const std::filesystem::path& golden) {
     if (!std::filesystem::exists(file, ignored)) return {};
     const nlohmann::json document = read_json(file);
     expect_format(file, document, kWaiverFormat, kVersion);
-    const nlohmann::json& list = member(file.string(), document, "waivers");
-    if (!list.is_array()) throw Error::bad_input(file.string(), "'waivers': expected a list");
+    const std::string place = file.string();
+    const nlohmann::json& list = member(place, document, "waivers");
+    if (!list.is_array()) throw Error::bad_input(place, "'waivers': expected a list");
     std::vector<Waiver> waivers;
     for (const nlohmann::json& object : list) {
         waivers.push_back(
-            parse_waiver(fmt::format("{}: waiver {}", file.string(), waivers.size()), object));
+            parse_waiver(fmt::format("{}: waiver {}", place, waivers.size()), object));
     }
     return waivers;
 }
