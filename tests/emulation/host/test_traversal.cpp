@@ -1,5 +1,5 @@
 /// Whole traversals of given rays: brute force's hits, growth, and every error.
-#include <rapidcheck/catch.h>
+#include "tests/properties.h"
 
 #include <algorithm>
 #include <cmath>
@@ -111,7 +111,7 @@ void check_contains(const std::string& message, const std::vector<std::string>& 
 
 TEST_CASE("trace: equals brute force bit for bit, whatever the parameters",
           "[emulation][traversal]") {
-    rc::prop("random scenes, rays and parameters", [](std::uint32_t seed) {
+    scotty::tests::check_property("random scenes, rays and parameters", [](std::uint32_t seed) {
         std::mt19937 random(seed);
         const auto below = [&](std::uint32_t end) {
             return static_cast<std::uint32_t>(random() % end);
@@ -139,14 +139,15 @@ TEST_CASE("trace: equals brute force bit for bit on scenes that are hard on it",
           "[emulation][traversal]") {
     using namespace scotty::reference::test;
     for (std::uint32_t kind = 0; kind < kHardScenes; ++kind) {
-        rc::prop("random hard scenes and parameters", [kind](std::uint32_t seed) {
-            Random random(seed);
-            Scene scene = hard_scene(static_cast<HardScene>(kind), 1 + random() % 200, random);
-            validate_and_repair(scene);
-            const std::vector<Ray> rays = hard_rays(scene, 1 + random() % 300, random);
-            const std::vector<Hit> exact = brute_force(scene, rays);
-            RC_ASSERT(same_bits(trace(scene, rays, random_parameters(random)), exact));
-        });
+        scotty::tests::check_property(
+            "random hard scenes and parameters", [kind](std::uint32_t seed) {
+                Random random(seed);
+                Scene scene = hard_scene(static_cast<HardScene>(kind), 1 + random() % 200, random);
+                validate_and_repair(scene);
+                const std::vector<Ray> rays = hard_rays(scene, 1 + random() % 300, random);
+                const std::vector<Hit> exact = brute_force(scene, rays);
+                RC_ASSERT(same_bits(trace(scene, rays, random_parameters(random)), exact));
+            });
     }
 }
 

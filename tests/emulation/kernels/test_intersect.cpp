@@ -1,5 +1,5 @@
 /// The level kernel on inner nodes: which rays it pushes, where to, and what it leaves alone.
-#include <rapidcheck/catch.h>
+#include "tests/properties.h"
 
 #include "tests/catch.h"
 #include "tests/emulation/one_level.h"
@@ -71,7 +71,7 @@ TEST_CASE("intersect: pushes exactly what a straight loop pushes, for odd queue 
 
 TEST_CASE("intersect: pushes exactly what a straight loop pushes, for random levels",
           "[emulation][intersect]") {
-    rc::prop("random levels", [](std::uint32_t seed) {
+    scotty::tests::check_property("random levels", [](std::uint32_t seed) {
         const auto lengths = *rc::gen::container<std::vector<std::uint32_t>>(
             1 + seed % 5, rc::gen::inRange(0u, 200u));
         const std::uint32_t threads = 32 * *rc::gen::inRange(1u, 9u);

@@ -1,5 +1,5 @@
 /// Scans, and how blocks find their nodes in them.
-#include <rapidcheck/catch.h>
+#include "tests/properties.h"
 
 #include <algorithm>
 #include <numeric>
@@ -103,7 +103,7 @@ TEST_CASE("scan: the last level has no children", "[emulation][scan]") {
 }
 
 TEST_CASE("search: every block finds its node, for every rays per block", "[emulation][scan]") {
-    rc::prop("random queues", [](std::uint32_t seed) {
+    scotty::tests::check_property("random queues", [](std::uint32_t seed) {
         const std::size_t nodes = *rc::gen::inRange<std::size_t>(1, 3000);
         const Counts counts = random_counts(nodes, 300, seed);
         const std::uint32_t threads = 32 * *rc::gen::inRange(1u, 33u);
@@ -148,7 +148,7 @@ TEST_CASE("grid: the strided order is a permutation of all blocks", "[emulation]
 }
 
 TEST_CASE("grid: blocks share out every queue entry exactly once", "[emulation][scan]") {
-    rc::prop("linear and strided", [](std::uint32_t seed) {
+    scotty::tests::check_property("linear and strided", [](std::uint32_t seed) {
         const std::size_t nodes = *rc::gen::inRange<std::size_t>(1, 50);
         const Counts counts = random_counts(nodes, 500, seed);
         const std::uint32_t threads = 32 * *rc::gen::inRange(1u, 33u);

@@ -1,5 +1,5 @@
 /// Warp collectives and the block scan.
-#include <rapidcheck/catch.h>
+#include "tests/properties.h"
 
 #include "gpu/kernels/block_scan.h"
 #include "tests/emulation/simt/executor_tools.h"
@@ -135,7 +135,7 @@ TEST_CASE("executor: a shuffle brings the value of the lane below, or the lane's
 }
 
 TEST_CASE("block_scan: ranks are exclusive sums, for 32 to 1024 threads", "[simt][scan]") {
-    rc::prop("whatever the values and the order", [] {
+    scotty::tests::check_property("whatever the values and the order", [] {
         const std::uint32_t threads = 32 * *rc::gen::inRange(1u, 33u);
         const std::uint32_t blocks = *rc::gen::inRange(1u, 4u);
         const auto in = *rc::gen::container<std::vector<std::uint32_t>>(

@@ -1,5 +1,5 @@
 /// Diffuse, mirror and glass: directions by the laws of optics, weights by energy.
-#include <rapidcheck/catch.h>
+#include "tests/properties.h"
 
 #include <array>
 #include <cmath>
@@ -46,7 +46,7 @@ const Vec3 kUp(0.0f, 0.0f, 1.0f);
 }  // namespace
 
 TEST_CASE("reflect: the angle of exit is the angle of incidence", "[reference][bsdf]") {
-    rc::prop("mirrored about the normal", [](std::uint32_t seed) {
+    scotty::tests::check_property("mirrored about the normal", [](std::uint32_t seed) {
         Random random(seed);
         const Vec3 d = unit_vector(random);
         const Vec3 n = unit_vector(random);
@@ -58,7 +58,7 @@ TEST_CASE("reflect: the angle of exit is the angle of incidence", "[reference][b
 }
 
 TEST_CASE("refract: Snell's law, in the plane of incidence", "[reference][bsdf]") {
-    rc::prop("n sin is kept", [](std::uint32_t seed) {
+    scotty::tests::check_property("n sin is kept", [](std::uint32_t seed) {
         Random random(seed);
         const Vec3 n = unit_vector(random);
         Vec3 d = unit_vector(random);
@@ -199,7 +199,7 @@ TEST_CASE("energy: clear glass loses nothing: in and out again a path weighs one
 
 TEST_CASE("energy: no material of albedo at most one gives weights above one, nor NaN",
           "[reference][bsdf]") {
-    rc::prop("weights", [](std::uint32_t seed) {
+    scotty::tests::check_property("weights", [](std::uint32_t seed) {
         Random random(seed);
         const Vec3 n = unit_vector(random);
         Vec3 d = unit_vector(random);
@@ -340,7 +340,7 @@ TEST_CASE("rough metal: directions follow the density of visible facets",
 
 TEST_CASE("rough metal: a sample's weight is the value times cosine over density",
           "[reference][bsdf][metal]") {
-    rc::prop("weight", [](std::uint32_t seed) {
+    scotty::tests::check_property("weight", [](std::uint32_t seed) {
         Random random(seed);
         const double roughness = uniform(random, 0.1f, 1.0f);
         const Material material = metal_of(static_cast<float>(roughness), Vec3(0.9f, 0.6f, 0.3f));
@@ -359,7 +359,7 @@ TEST_CASE("rough metal: a sample's weight is the value times cosine over density
 }
 
 TEST_CASE("rough metal: light and viewer can change places", "[reference][bsdf][metal]") {
-    rc::prop("reciprocity", [](std::uint32_t seed) {
+    scotty::tests::check_property("reciprocity", [](std::uint32_t seed) {
         Random random(seed);
         const Material material = metal_of(uniform(random, 0.0f, 1.0f), Vec3(0.9f, 0.6f, 0.3f));
         const Vec3 a = leaving(uniform(random, 0.01f, 1.0f), uniform(random, 0.0f, 6.0f));

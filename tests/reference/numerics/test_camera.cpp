@@ -1,5 +1,5 @@
 /// Camera rays against their closed form.
-#include <rapidcheck/catch.h>
+#include "tests/properties.h"
 
 #include <cmath>
 #include <set>
@@ -40,7 +40,7 @@ Camera random_camera(Random& random) {
 
 TEST_CASE("camera: every ray passes through its own pixel, with field of view and aspect",
           "[reference][camera]") {
-    rc::prop("closed form", [](std::uint32_t seed) {
+    scotty::tests::check_property("closed form", [](std::uint32_t seed) {
         Random random(seed);
         const Camera camera = random_camera(random);
         const auto below = [&random](std::uint32_t end) {

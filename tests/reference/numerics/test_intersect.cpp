@@ -1,4 +1,3 @@
-#include <rapidcheck/catch.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -6,6 +5,7 @@
 #include <limits>
 #include <variant>
 #include <vector>
+#include "tests/properties.h"
 
 #include "reference/contract/wide_bvh.h"
 #include "reference/numerics/intersect_box.h"
@@ -162,39 +162,42 @@ TEST_CASE("box: what is not a number never overlaps", "[reference][box]") {
 
 TEST_CASE("triangle: signs of edge functions are those of whole-number arithmetic",
           "[reference][triangle]") {
-    rc::prop("sheared vertices are whole numbers times a power of two", [](std::uint32_t seed) {
-        Random random(seed);
-        const int bits = 1 + static_cast<int>(random() % 24);
-        // The smallest are denormal; products of the largest are not finite three at a time.
-        const int exponent = static_cast<int>(random() % 170) - 149;
-        std::array<std::int64_t, 6> n;
-        for (std::int64_t& value : n) {
-            value = static_cast<std::int64_t>(random() % (2u << bits)) - (std::int64_t{1} << bits);
-        }
-        if (random() % 3 == 0) n[2] = n[0];
-        if (random() % 3 == 0) n[3] = n[1];
-        if (random() % 4 == 0) n[4] = -n[0], n[5] = -n[1];
-        std::array<float, 6> f;
-        for (int i = 0; i < 6; ++i) f[i] = std::ldexp(static_cast<float>(n[i]), exponent);
-        const ShearedTriangle sheared{f[0], f[1], f[2], f[3], f[4], f[5]};
-        const auto sign = [](std::int64_t value) { return (value > 0) - (value < 0); };
-        const std::array<int, 3> signs{sign(n[4] * n[3] - n[5] * n[2]),
-                                       sign(n[0] * n[5] - n[1] * n[4]),
-                                       sign(n[2] * n[1] - n[3] * n[0])};
-        const bool inside = !(std::count(signs.begin(), signs.end(), 1) > 0 &&
-                              std::count(signs.begin(), signs.end(), -1) > 0);
-        EdgeFunctions e{};
-        const bool found = signed_edges(sheared, e);
-        if (inside) RC_ASSERT(found);  // no crossing is ever lost
-        // An area below the smallest float counts as zero.
-        if (2 * exponent >= -149) {
-            RC_ASSERT(found == inside);
-            if (found) {
-                RC_ASSERT(signs == (std::array<int, 3>{(e.u > 0) - (e.u < 0), (e.v > 0) - (e.v < 0),
-                                                       (e.w > 0) - (e.w < 0)}));
+    scotty::tests::check_property(
+        "sheared vertices are whole numbers times a power of two", [](std::uint32_t seed) {
+            Random random(seed);
+            const int bits = 1 + static_cast<int>(random() % 24);
+            // The smallest are denormal; products of the largest are not finite three at a time.
+            const int exponent = static_cast<int>(random() % 170) - 149;
+            std::array<std::int64_t, 6> n;
+            for (std::int64_t& value : n) {
+                value =
+                    static_cast<std::int64_t>(random() % (2u << bits)) - (std::int64_t{1} << bits);
             }
-        }
-    });
+            if (random() % 3 == 0) n[2] = n[0];
+            if (random() % 3 == 0) n[3] = n[1];
+            if (random() % 4 == 0) n[4] = -n[0], n[5] = -n[1];
+            std::array<float, 6> f;
+            for (int i = 0; i < 6; ++i) f[i] = std::ldexp(static_cast<float>(n[i]), exponent);
+            const ShearedTriangle sheared{f[0], f[1], f[2], f[3], f[4], f[5]};
+            const auto sign = [](std::int64_t value) { return (value > 0) - (value < 0); };
+            const std::array<int, 3> signs{sign(n[4] * n[3] - n[5] * n[2]),
+                                           sign(n[0] * n[5] - n[1] * n[4]),
+                                           sign(n[2] * n[1] - n[3] * n[0])};
+            const bool inside = !(std::count(signs.begin(), signs.end(), 1) > 0 &&
+                                  std::count(signs.begin(), signs.end(), -1) > 0);
+            EdgeFunctions e{};
+            const bool found = signed_edges(sheared, e);
+            if (inside) RC_ASSERT(found);  // no crossing is ever lost
+            // An area below the smallest float counts as zero.
+            if (2 * exponent >= -149) {
+                RC_ASSERT(found == inside);
+                if (found) {
+                    RC_ASSERT(signs ==
+                              (std::array<int, 3>{(e.u > 0) - (e.u < 0), (e.v > 0) - (e.v < 0),
+                                                  (e.w > 0) - (e.w < 0)}));
+                }
+            }
+        });
 }
 
 TEST_CASE("triangle: nothing that is not a number is a hit", "[reference][triangle]") {
@@ -230,7 +233,7 @@ TEST_CASE("triangle: nothing that is not a number is a hit", "[reference][triang
 }
 
 TEST_CASE("triangle: a hit holds t_min and does not hold t_max", "[reference][triangle]") {
-    rc::prop("half-open interval", [] {
+    scotty::tests::check_property("half-open interval", [] {
         Random random(*rc::gen::arbitrary<std::uint32_t>());
         const Triangle t{uniform3(random, -1, 1), uniform3(random, -1, 1), uniform3(random, -1, 1)};
         const Vec3 origin = uniform3(random, -3, 3);
@@ -252,7 +255,7 @@ TEST_CASE("triangle: a hit holds t_min and does not hold t_max", "[reference][tr
 }
 
 TEST_CASE("triangle: distance and barycentrics say where the hit is", "[reference][triangle]") {
-    rc::prop("o + t d = (1 - u - v) v0 + u v1 + v v2, at every scale", [] {
+    scotty::tests::check_property("o + t d = (1 - u - v) v0 + u v1 + v v2, at every scale", [] {
         Random random(*rc::gen::arbitrary<std::uint32_t>());
         const float scale = *rc::gen::element(0.01f, 1.0f, 100.0f, 1.0e6f);
         const Triangle t{scale * Vec3(-1, -1, uniform(random, -0.5f, 0.5f)),

@@ -1,5 +1,5 @@
 /// Lights against closed forms: form factors, Lambert's polygon formula, inverse squares.
-#include <rapidcheck/catch.h>
+#include "tests/properties.h"
 
 #include <cmath>
 #include <vector>
@@ -103,7 +103,7 @@ TEST_CASE("direct light: a light of no area, or at the surface itself, gives bla
 }
 
 TEST_CASE("direct light: samples lie on the light, just off its front", "[reference][light]") {
-    rc::prop("on the light", [](std::uint32_t seed) {
+    scotty::tests::check_property("on the light", [](std::uint32_t seed) {
         Random random(seed);
         const Vec3 x = uniform3(random, -1, 1);
         const Vec3 y = uniform3(random, -1, 1);

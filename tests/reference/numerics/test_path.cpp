@@ -1,5 +1,5 @@
 /// Path vertices: what is lit, what is counted, and what a path leaves behind when it ends.
-#include <rapidcheck/catch.h>
+#include "tests/properties.h"
 
 #include <cmath>
 #include <vector>
@@ -108,7 +108,7 @@ TEST_CASE("direct light: a lamp at the world's origin is not lost in rounding",
 
 TEST_CASE("direct light: a lamp lights wherever the scene stands and however large it is",
           "[reference][path]") {
-    rc::prop("lit", [](std::uint32_t seed) {
+    scotty::tests::check_property("lit", [](std::uint32_t seed) {
         Random random(seed);
         Scene scene = floor_scene(1.0f);
         add_lamp(scene, Vec3(0, uniform(random, 0.2f, 3.0f), 0), uniform(random, 0.05f, 0.5f),
@@ -392,7 +392,7 @@ TEST_CASE("rough metal: each light is counted once, by light samples or by scatt
 }
 
 TEST_CASE("scatter: a smooth normal never sends a path to the wrong side", "[reference][path]") {
-    rc::prop("sides", [](std::uint32_t seed) {
+    scotty::tests::check_property("sides", [](std::uint32_t seed) {
         Random random(seed);
         Scene scene = floor_scene(1.0f);
         scene.materials[0].reflectance = scene.materials[0].transmittance = Vec3(1.0f);

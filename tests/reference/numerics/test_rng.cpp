@@ -1,5 +1,5 @@
 /// Random numbers: the published generator, no number used twice, no pattern between neighbours.
-#include <rapidcheck/catch.h>
+#include "tests/properties.h"
 
 #include <array>
 #include <cmath>
@@ -61,7 +61,7 @@ TEST_CASE("rng: numbers are at least 0 and below 1", "[reference][rng]") {
 
 TEST_CASE("rng: every argument counts, and equal arguments give equal numbers",
           "[reference][rng]") {
-    rc::prop(
+    scotty::tests::check_property(
         "changing one argument changes the numbers",
         [](std::uint64_t seed, std::uint32_t pixel, std::uint32_t sample) {
             const std::uint32_t bounce = *rc::gen::inRange(0u, 65u);

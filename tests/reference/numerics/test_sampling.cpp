@@ -1,5 +1,5 @@
 /// Directions from uniform numbers: distributions, and frames for every normal.
-#include <rapidcheck/catch.h>
+#include "tests/properties.h"
 
 #include <array>
 #include <cmath>
@@ -156,7 +156,7 @@ TEST_CASE("sampling: cosine hemisphere: unit, never below the surface, cosine de
 
 TEST_CASE("sampling: no uniform number gives a direction that is not finite",
           "[reference][sampling]") {
-    rc::prop("finite and unit", [] {
+    scotty::tests::check_property("finite and unit", [] {
         const auto number = [] {
             return to_unit_interval(*rc::gen::weightedOneOf<std::uint32_t>(
                 {{6, rc::gen::arbitrary<std::uint32_t>()},

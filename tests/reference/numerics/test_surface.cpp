@@ -1,5 +1,5 @@
 /// From hit to surface point, and rays that leave without hitting what they left.
-#include <rapidcheck/catch.h>
+#include "tests/properties.h"
 
 #include <cmath>
 #include <optional>
@@ -49,7 +49,7 @@ TEST_CASE("surface: front is the side of counter-clockwise winding", "[reference
 }
 
 TEST_CASE("surface: the position is on the ray and on the triangle", "[reference][surface]") {
-    rc::prop("position", [](std::uint32_t seed) {
+    scotty::tests::check_property("position", [](std::uint32_t seed) {
         Random random(seed);
         const Scene scene = soup(1, 1.0f, seed);
         const Ray ray{uniform3(random, -3, 3), 0.0f,
@@ -126,7 +126,7 @@ TEST_CASE("leave_surface: the offset follows the scene's scale, no absolute epsi
 TEST_CASE("leave_surface: a ray never hits the triangle that it leaves, at any scale and place",
           "[reference][surface]") {
     std::size_t left = 0;
-    rc::prop("no self-intersection", [&left](std::uint32_t seed) {
+    scotty::tests::check_property("no self-intersection", [&left](std::uint32_t seed) {
         Random random(seed);
         const float scale = std::pow(10.0f, uniform(random, -4.0f, 4.0f));
         const Vec3 centre = unit_vector(random) * (scale * std::pow(10.0f, uniform(random, -1, 2)));

@@ -1,4 +1,4 @@
-#include <rapidcheck/catch.h>
+#include "tests/properties.h"
 
 #include "tests/catch.h"
 #include "tests/verify/capture_tools.h"
@@ -20,7 +20,7 @@ void write(const std::filesystem::path& file) {
 
 TEST_CASE("npy: what is written is read, for any shape and type", "[verify][npy]") {
     const TemporaryFolder folder;
-    rc::prop("round trip", [&] {
+    scotty::tests::check_property("round trip", [&] {
         const auto type = *rc::gen::element(ElementType::uint8, ElementType::uint32,
                                             ElementType::uint64, ElementType::float32);
         const auto shape = *rc::gen::resize(

@@ -1,4 +1,4 @@
-#include <rapidcheck/catch.h>
+#include "tests/properties.h"
 
 #include <algorithm>
 #include <map>
@@ -18,7 +18,7 @@ using Catch::Matchers::ContainsSubstring;
 
 TEST_CASE("covering rows: every pair of values of any factors stands in some row",
           "[verify][configurations]") {
-    rc::prop("pairs are covered, rows are few", [] {
+    scotty::tests::check_property("pairs are covered, rows are few", [] {
         const auto sizes =
             *rc::gen::container<std::vector<std::size_t>>(rc::gen::inRange<std::size_t>(1, 5));
         RC_PRE(sizes.size() <= 8u);
