@@ -139,7 +139,7 @@ class Project(unittest.TestCase):
 
     def test_the_copy_runs_as_the_original_until_a_fault_is_switched_on(self):
         program = self.compiled()
-        step = runs.measure(runs.Step("all", [program]), self.top, self.top)
+        step = runs.measure(runs.Step("all", [program]), self.top, self.top, 60)
         self.assertEqual(runs.run([program], self.top, 10).output, "3\n")
         numbers = {(f["operator"], f["original"], f["text"]): f["number"] for f in self.faults}
         for fault, says in ((("logical", "ok && of[i] != 3", "ok || of[i] != 3"), "3\n"),
@@ -193,6 +193,16 @@ class Again(unittest.TestCase):
             again.record(killed, [common | {"key": "a", "verdict": "passed"}])
             self.assertEqual(set(again.load(killed)), {"b"})
 
+    def test_a_run_that_does_nothing_any_more_has_timed_out(self):
+        idle, runs.IDLE = runs.IDLE, 1.0
+        try:
+            self.assertEqual(runs.run(["sleep", "60"], "/", 60).kind, "timed-out")
+            self.assertEqual(runs.run(["sh", "-c", "while :; do :; done"], "/", 1).kind, "timed-out")
+            self.assertEqual(runs.run(["sh", "-c", "exit 1"], "/", 60).kind, "failed")
+            self.assertIsNone(runs.measure(runs.Step("too long", ["sh", "-c", "while :; do :; done"]), "/", None, 1))
+        finally:
+            runs.IDLE = idle
+
     def test_a_fault_that_survives_what_killed_it_fails(self):
         with tempfile.TemporaryDirectory() as folder:
             os.mkdir(os.path.join(folder, "bin"))
@@ -223,11 +233,23 @@ class Scores(unittest.TestCase):
         self.assertEqual(made["emulation+gpu+reference"]["run"], 4)
         self.assertEqual(made["neutral"], {"run": 1, "not_executed": 0, "false_alarms": 0})
 
-    def test_a_score_is_not_stated_before_all_verdicts_are_in(self):
+    def test_a_score_is_a_lower_bound_before_all_verdicts_are_in(self):
         result = {"key": "a", "path": "gpu/a.h", "operator": "constant", "verdict": "passed", "tried": ["simt-two-scenes"]}
         made = scores.scores([result], {})
-        self.assertEqual((made["verdicts_pending"], made["verdict_score"], made["quick_verdict_score"]), (1, None, 0.0))
-        self.assertEqual(scores.badge(made)["message"], "not measured")
+        self.assertEqual((made["verdicts_pending"], made["suite_pending"], made["verdict_score"]), (1, 1, 0.0))
+        self.assertEqual(scores.badge(made)["message"], "at least 0 % of 1 faults")
+        self.assertEqual(scores.badge(scores.scores([], {}))["message"], "not measured")
+
+    def test_what_two_sweeps_found_at_once_is_joined(self):
+        known = {"key": "a", "verdict": "passed", "tried": ["quick"]}
+        lines = [known | {"suite": "failed"}, known | {"verdict": "crashed", "verdict_by": "default", "tried": ["default"]},
+                 known | {"verdict": "not-executed", "tried": ["golden"]}]
+        with tempfile.NamedTemporaryFile("w") as file:
+            file.write("".join(json.dumps(line) + "\n" for line in lines) + "{")
+            file.flush()
+            found = scores.load_results(file.name)
+        self.assertEqual(found, [{"key": "a", "verdict": "crashed", "verdict_by": "default", "suite": "failed",
+                                  "tried": ["quick", "default", "golden"]}])
 
     def test_a_neutral_edit_that_is_seen_is_a_false_alarm(self):
         result = {"key": "a", "path": "gpu/a.h", "operator": "neutral", "verdict": "crashed", "verdict_by": "quick", "tried": []}

@@ -5,9 +5,14 @@ import runs
 from scores import DETECTED
 
 
+def is_of_simt(fault):
+    """The text of gpu/ and what runs it on a CPU are executed by the back end simt alone."""
+    return fault["path"].startswith(("gpu/", "emulation/simt/", "emulation/check/"))
+
+
 def tier_of(fault, steps):
-    """The runs that judge a fault: the text of gpu/ and what runs it on a CPU are executed by the back end simt alone."""
-    if fault["path"].startswith(("gpu/", "emulation/simt/", "emulation/check/")):
+    """The runs that judge a fault."""
+    if is_of_simt(fault):
         return "simt"
     if "number" not in fault or any(not s.executes or fault["number"] in s.executes for s in steps["emulator"]):
         return "emulator"

@@ -96,10 +96,10 @@ def baseline(options, copy, name, steps):
     if not os.path.exists(path) or os.stat(path).st_mtime < newest:
         say(f"recording what {len(steps)} runs execute ({name})")
         with ThreadPoolExecutor(options.jobs) as pool:
-            measured = list(pool.map(lambda step: runs.measure(step, copy.source, options.folder), steps))
+            measured = list(pool.map(lambda step: runs.measure(step, copy.source, options.folder, options.longest), steps))
         useless = [step.name for step, done in zip(steps, measured) if done is None]
         if useless:
-            say(f"{len(useless)} fail without a fault, and judge none: {', '.join(useless[:8])}")
+            say(f"{len(useless)} fail or take too long without a fault, and judge none: {', '.join(useless[:8])}")
         runs.save_steps(path, [done for done in measured if done is not None])
     return runs.load_steps(path)
 
@@ -119,6 +119,7 @@ def options_of(words):
                         help="those of killed.json, each by the run that killed it when it was recorded; fails if one is not any more")
     parser.add_argument("--record", action="store_true", help="write what killed the judged faults into killed.json")
     parser.add_argument("--steps", type=int, default=9, help="only so many verdicts of a fault, cheap ones first; go on later")
+    parser.add_argument("--longest", type=int, default=1800, help="a run or test of more seconds of processor time judges none")
     parser.add_argument("--no-tests", action="store_true", help="verification only, no unit tests")
     parser.add_argument("--no-build", action="store_true", help="take the copy as it is, however the sources have changed")
     parser.add_argument("--only-score", action="store_true", help="run nothing: scores of what has been judged")
@@ -142,8 +143,9 @@ def judge_all(options, copy, chosen, results_path):
     """Appends a line to the results for each of the chosen that has none yet."""
     scotty = os.path.join(copy.build, "bin/scotty")
     steps = {}
+    only_simt = all(map(judge.is_of_simt, chosen))
     for tier, of in runs.verdict_steps(scotty).items():
-        kept = of[:options.steps]
+        kept = [] if tier == "emulator" and only_simt else of[:options.steps]
         steps[tier] = [step for one in kept for step in baseline(options, copy, "step-" + one.name, [one])]
     tests = [] if options.no_tests else baseline(options, copy, "tests", list(runs.test_steps(copy.build)))
     done = {r["key"]: r for r in scores.load_results(results_path)}

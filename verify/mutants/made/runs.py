@@ -1,10 +1,12 @@
 """Runs of programs that have faults: which of them execute a fault, and what they say with it switched on."""
+import itertools
 import json
 import os
 import resource
 import signal
 import subprocess
 import tempfile
+import threading
 import time
 from dataclasses import dataclass
 
@@ -19,6 +21,50 @@ class Outcome:
     output: str
 
 
+WORKERS = itertools.count()
+WORKER = threading.local()
+
+
+def two_cores():
+    """This worker's share of the processors: a verdict's time is stated for two cores, and of many runs at once none is to
+    start threads for all cores."""
+    cores = sorted(os.sched_getaffinity(0))
+    if not hasattr(WORKER, "number"):
+        WORKER.number = next(WORKERS)
+    first = 2 * WORKER.number % len(cores)
+    return {cores[first], cores[(first + 1) % len(cores)]}
+
+
+IDLE = 30.0  # seconds without any work, after which a run waits for something that never comes
+
+
+def ticks_of(group):
+    """Processor time that the processes of a group have used."""
+    ticks = 0
+    for process in os.listdir("/proc"):
+        try:
+            if process.isdigit() and os.getpgid(int(process)) == group:
+                with open(f"/proc/{process}/stat", encoding="utf-8", errors="replace") as file:
+                    ticks += sum(map(int, file.read().rpartition(")")[2].split()[11:13]))
+        except (OSError, ValueError):
+            continue  # it has ended
+    return ticks
+
+
+def wait_for(process):
+    """The exit code; None where it does nothing any more."""
+    ticks, since = -1, time.monotonic()
+    while True:
+        try:
+            return process.wait(3)
+        except subprocess.TimeoutExpired:
+            now = ticks_of(process.pid)
+        if now != ticks:
+            ticks, since = now, time.monotonic()
+        elif time.monotonic() - since > IDLE:
+            return None
+
+
 def run(command, folder, limit, fault=0, seen=None):
     """One process and its children, for so many seconds of processor time: a busy machine is no fault. Fault 0: none."""
     environment = dict(os.environ)
@@ -26,15 +72,17 @@ def run(command, folder, limit, fault=0, seen=None):
         environment.pop(name, None)
         if value is not None:
             environment[name] = value
+    cores = two_cores()
+
+    def prepare():
+        os.sched_setaffinity(0, cores)
+        resource.setrlimit(resource.RLIMIT_CPU, (int(limit) + 1, int(limit) + 9))
+
     start = time.monotonic()
     with tempfile.TemporaryFile() as output:
         process = subprocess.Popen(command, cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=output,
-                                   stderr=subprocess.STDOUT, start_new_session=True,
-                                   preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (int(limit) + 1, int(limit) + 9)))
-        try:
-            code = process.wait(20 * limit)  # or it waits for something that never comes
-        except subprocess.TimeoutExpired:
-            code = None
+                                   stderr=subprocess.STDOUT, start_new_session=True, preexec_fn=prepare)
+        code = wait_for(process)
         try:  # what it started too
             os.killpg(process.pid, signal.SIGKILL)
         except ProcessLookupError:
@@ -60,10 +108,10 @@ class Step:
         return 20 + 8 * self.seconds
 
 
-def measure(step, folder, scratch):
-    """Runs a step without faults. A step that fails is no judge: None."""
+def measure(step, folder, scratch, longest):
+    """Runs a step without faults. A step that fails, or takes more seconds of processor time, is no judge: None."""
     with tempfile.NamedTemporaryFile(dir=scratch) as seen:
-        outcome = run(step.command, folder, 1800, seen=seen.name)
+        outcome = run(step.command, folder, longest, seen=seen.name)
         if outcome.kind != "passed":
             return None
         with open(seen.name, "rb") as file:

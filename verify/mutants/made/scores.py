@@ -10,10 +10,21 @@ LAST_STEPS = {"default", "simt-quick"}  # of runs.verdict_steps: with one of the
 
 
 def load_results(path):
+    """What is known of each fault; several sweeps may have written at once, each what it found."""
     if not os.path.exists(path):
         return []
     with open(path, encoding="utf-8") as file:
-        return [json.loads(line) for line in file if line.endswith("\n")]
+        lines = [json.loads(line) for line in file if line.endswith("\n")]
+    known = {}
+    for line in lines:
+        known[line["key"]] = joined(known[line["key"]], line) if line["key"] in known else line
+    return list(known.values())
+
+
+def joined(one, other):
+    """A verdict that saw the fault stays."""
+    best = one if one["verdict"] in DETECTED or other["verdict"] == "not-executed" else other
+    return one | other | best | {"tried": one["tried"] + [step for step in other["tried"] if step not in one["tried"]]}
 
 
 def load_equivalents(path):
@@ -34,17 +45,16 @@ def is_pending(result):
 
 
 def score_of(results, equivalents):
-    """`verdict_score`: verify says FAILED; `..._detected` counts crashes and time-outs too; null while verdicts are pending.
+    """`verdict_score`: verify says FAILED; `..._detected` counts crashes and time-outs too; both are lower bounds while
+    `verdicts_pending` of those that passed have not been asked everything.
     `quick_...`: the first, cheapest run alone. `adjusted` is without the equivalents. Suite scores are of the faults that
     the tests were run for."""
     kept = [r for r in results if r["key"] not in equivalents]
     pending = sum(map(is_pending, results))
-    totals = {"run": len(results), "equivalent": len(results) - len(kept), "verdicts_pending": pending}
+    totals = {"run": len(results), "equivalent": len(results) - len(kept), "verdicts_pending": pending,
+              "suite_pending": sum(r["verdict"] not in DETECTED and "suite" not in r for r in results)}
 
     def both(name, of, hit):
-        if pending and name in ("verdict_score", "verdict_detected"):
-            totals[name] = totals[name + "_adjusted"] = None
-            return
         totals[name] = share(sum(hit(r) for r in results if of(r)), sum(1 for r in results if of(r)))
         totals[name + "_adjusted"] = share(sum(hit(r) for r in kept if of(r)), sum(1 for r in kept if of(r)))
 
@@ -101,7 +111,7 @@ def table(made):
             lines.append(f"{name if raw else '  adjusted':<24} {count:>6} {row['equivalent'] if raw else '':>6} "
                          + " ".join(f"{cell:>7}" for cell in cells))
     if made["verdicts_pending"]:
-        lines.append(f"{made['verdicts_pending']} verdicts are pending: only the quick ones were asked")
+        lines.append(f"verdicts are at least that: {made['verdicts_pending']} faults that passed were not asked everything")
     lines.append(f"neutral edits: {made['neutral']['run']}, false alarms: {made['neutral']['false_alarms']}")
     return "\n".join(lines)
 
@@ -110,5 +120,6 @@ def badge(made):
     """For shields.io's endpoint."""
     under_test = made["emulation+gpu+reference"]
     score = under_test["verdict_detected_adjusted"]
-    message = "not measured" if score is None else f"{100 * score:.0f} % of {under_test['run']} faults"
+    least = "at least " if under_test["verdicts_pending"] else ""
+    message = "not measured" if score is None else f"{least}{100 * score:.0f} % of {under_test['run']} faults"
     return {"schemaVersion": 1, "label": "verdict", "message": message}
