@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -30,10 +31,14 @@
 #include "verify/report/failure_groups.h"
 #include "verify/report/report.h"
 #include "verify/report/report_file.h"
+#include "verify/sweep/crash_verdict.h"
 #include "verify/sweep/verify.h"
 
 namespace scotty::verify {
 namespace {
+
+/// Seconds in which something ends in any run of the built-in scenes, on any machine.
+constexpr double kPatience = 300.0;
 
 struct VerifyOptions {
     std::vector<std::string> scenes;
@@ -43,6 +48,7 @@ struct VerifyOptions {
     ReportOutputs outputs;
     std::string folder;
     bool require_gpu = false;
+    std::optional<double> patience;  ///< seconds; where it is not said: of the built-in scenes only
     bool no_golden = false;
     bool only_golden = false;
     bool quick = false;
@@ -143,6 +149,7 @@ void judge_golden_files(VerifyOptions& options, GoldenSettings golden, Report& r
         return options.settings.fail_fast || options.stopped_by_user();
     };
     golden.progress = [&](const std::string& name, std::size_t done, std::size_t total) {
+        note_progress();
         progress.show(fmt::format("golden image {} of {}: {}", done + 1, total, name));
     };
     const auto device = Configuration{options.settings.parameters}.device(options.settings.threads);
@@ -201,6 +208,19 @@ SceneReport run_cases(VerifyOptions& options, const std::vector<Case>& cases) {
     return report;
 }
 
+/// A built-in scene is valid: what cannot be run with it is a failure.
+SceneReport verify_one(const VerifyOptions& options, bool built_in, const reference::Scene& scene) {
+    try {
+        return verify_scene(scene, options.settings);
+    } catch (const reference::Error& error) {
+        if (!built_in || error.kind() == reference::ErrorKind::missing_environment) throw;
+        SceneReport report = refused_scene(scene.name, error.what());
+        report.warnings = scene.warnings;
+        options.settings.on_first_failure(placed_failures(report).front());
+        return report;
+    }
+}
+
 int run_verify(VerifyOptions& options) {
     const auto start = std::chrono::steady_clock::now();
     const auto seconds = [&] {
@@ -218,6 +238,8 @@ int run_verify(VerifyOptions& options) {
     configurations(options.settings.parameters, options.settings.filter);
     const bool all_built_in = options.scenes.empty();
     options.all_scenes = all_built_in;
+    catch_hangs(std::chrono::milliseconds(
+        std::llround(1000.0 * options.patience.value_or(all_built_in ? kPatience : 0.0))));
     if (all_built_in) {
         for (const auto& scene : scenes::built_in_scenes()) options.scenes.push_back(scene.name);
     }
@@ -227,8 +249,18 @@ int run_verify(VerifyOptions& options) {
         throw reference::Error::bad_input(*scene, "is named twice; once is enough");
     }
     std::vector<reference::Scene> loaded;
-    for (const std::string& scene : options.scenes) loaded.push_back(scenes::load_scene(scene));
-    if (all_built_in) {  // small ones first: the first failure is found sooner
+    std::vector<SceneReport> refused;  // of the built-in ones, which is nobody's mistake but ours
+    for (const std::string& scene : options.scenes) {
+        try {
+            loaded.push_back(scenes::load_scene(scene));
+        } catch (const reference::Error& error) {
+            if (!all_built_in) throw;
+            refused.push_back(refused_scene(scene, error.what()));
+        }
+    }
+    if (all_built_in) {
+        options.scenes.resize(
+            loaded.size());  // small ones first: the first failure is found sooner
         std::stable_sort(loaded.begin(), loaded.end(), [](const auto& a, const auto& b) {
             return a.triangles.size() < b.triangles.size();
         });
@@ -273,6 +305,11 @@ int run_verify(VerifyOptions& options) {
         }
         if (!found.configurations.empty()) report.scenes.push_back(std::move(found));
     }
+    for (SceneReport& scene : refused) {
+        options.announce(placed_failures(scene).front());
+        if (options.settings.fail_fast) note_stop(options, scene.left_out, report);
+        report.scenes.push_back(std::move(scene));
+    }
     for (std::size_t i = 0; i < loaded.size() && !options.only_golden && report.stopped.empty();
          ++i) {
         const auto warn = [&](const std::string& warning) {
@@ -290,7 +327,7 @@ int run_verify(VerifyOptions& options) {
             progress.clear();
             options.announce(first);
         };
-        SceneReport scene = verify_scene(loaded[i], options.settings);
+        SceneReport scene = verify_one(options, all_built_in, loaded[i]);
         progress.clear();
         if (scene.left_out != 0 || (options.settings.fail_fast && !scene.passed())) {
             note_stop(options, scene.left_out, report);
@@ -390,6 +427,13 @@ void add_verify_command(CLI::App& app, Action& action, const std::string& comman
     command->add_flag("--fail-fast", options->settings.fail_fast,
                       "end at the first failure, which is printed as soon as it is found in any "
                       "case");
+    command
+        ->add_option("--patience", options->patience,
+                     "seconds without the end of a launch, a run or an image, after which the "
+                     "verification has failed as one that hangs; 0: never (300, and 0 where "
+                     "scenes are named)")
+        ->type_name("SECONDS")
+        ->check(CLI::Range(0.0, 1e6));
     command->add_flag("!--no-oracles", options->settings.oracles,
                       "leave out brute force and Embree");
     command

@@ -4,6 +4,7 @@
 /// Emulator, CUDA text and Embree's renderer call the same functions, so that they agree on a fault
 /// in one. Scenes rarely meet a tie, a zero or an infinity; the table does.
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <random>
 #include <type_traits>
@@ -14,6 +15,7 @@
 #include "reference/contract/scene.h"
 #include "reference/contract/stage_observer.h"
 #include "reference/contract/wide_bvh.h"
+#include "reference/numerics/closest_in_subtree.h"
 #include "reference/numerics/pixel_sums.h"
 #include "reference/numerics/surface.h"
 #include "verify/golden/hash_book.h"
@@ -148,6 +150,113 @@ void add_geometry(Words& words) {
     }
 }
 
+/// Distances within boxes, beside them and on their sides; and crossings on both sides of each
+/// limit below which a distance is not cut.
+void add_cuts(Words& words) {
+    const std::vector<Vec3> all = vectors();
+    for (std::size_t i = 0; i + 3 < all.size(); ++i) {
+        const Vec3 low = min_number(all[i + 1], all[i + 2]);
+        const Vec3 high = max_number(all[i + 1], all[i + 2]);
+        for (const float t : {-1.0f, -0.0f, 0.0f, 0.5f, 1e12f, kInf}) {
+            const CutDistance cut = cut_distance(t, all[i], safe_inverse(all[i + 3]), low, high);
+            words.add(cut.t, cut.inside);
+        }
+    }
+    const auto around = [](float limit) {
+        return std::array{std::nextafter(limit, 0.0f), limit, std::nextafter(limit, kInf)};
+    };
+    const ShearedTriangle unit{1.0f, 0.0f, -0.5f, 1.0f, -0.5f, -1.0f};  // products 3, size 1
+    const auto ask = [&](float determinant, float t, const Vec3& origin, float depth) {
+        for (const float sign : {1.0f, -1.0f}) {
+            const Crossing crossing{{}, sign * determinant, t};
+            words.add(cut_changes_nothing(crossing, unit, origin * sign, depth * sign));
+        }
+    };
+    for (const float reach : {1.0f, 0x1p30f}) {
+        for (const Vec3& origin : {Vec3(reach, 0.0f, 0.0f), Vec3(0.0f, reach, 0.0f),
+                                   Vec3(0.0f, 0.0f, reach), Vec3(0.0f)}) {
+            const float depth = is_zero(origin) ? reach : 0.0f;
+            for (const float d : around(0.375f / reach)) ask(d, 1.0f, origin, depth);
+            for (const float t : around(0x1p-30f)) ask(1.0f, t, origin, depth);
+            for (const float t : around(0x1p30f * reach)) ask(1.0f, t, origin, depth);
+        }
+    }
+    for (const float reach : around(0x1p60f)) ask(1.0f, 1.0f, Vec3(reach, 1.0f, 1.0f), 0.0f);
+    for (const float scale :
+         {1.0f, 0x1p-38f, 0x1p-45f}) {  // of triangles: the smallest determinants
+        for (const float d : around(0x1p-80f)) {
+            const ShearedTriangle small{scale,         0.0f,           -0.5f * scale,
+                                        scale * 1.25f, -0.75f * scale, -scale};
+            words.add(cut_changes_nothing({{}, d, 1.0f}, small, Vec3(0x1p10f), 1.0f));
+        }
+    }
+}
+
+/// A walk below a node: what it finds, and how much it looks at on its way.
+template <int Width>
+void add_walks(Words& words, const Scene& scene, const std::vector<Ray>& rays) {
+    std::mt19937 random(5);
+    for (int i = 0; i < 100; ++i) {
+        std::uint32_t keys[Width];
+        for (std::uint32_t& key : keys) {
+            const auto bits = static_cast<std::uint32_t>(random());
+            key = bits % 4 == 0 ? kNone : (bits >> 2) % 8;  // many alike
+        }
+        sort_visits(keys);
+        for (const std::uint32_t key : keys) words.add(key);
+    }
+    BvhParameters parameters;
+    parameters.width = Width;
+    parameters.max_leaf_size = 2;
+    parameters.threads = 1;
+    for (const std::uint32_t levels : {1u, 2u}) {
+        parameters.queue_levels = levels;
+        const WideBvh bvh = build_wide_bvh(scene, parameters);
+        words.add(fingerprint(bvh));
+        const WideBvhView<Width> view = view_of<Width>(bvh);
+        for (const Ray& ray : rays) {
+            for (const float limit : {kInf, 1.5f}) {
+                for (const bool any : {false, true}) {
+                    const SubtreeSearch found = closest_in_subtree(view, 0, ray, limit, any);
+                    words.add(found.best.t, found.best.primitive, found.nodes, found.children,
+                              found.triangles);
+                }
+            }
+        }
+    }
+}
+
+void add_all_walks(Words& words) {
+    std::mt19937 random(6);
+    const auto unit = [&] {
+        return 2.0f * to_unit_interval(static_cast<std::uint32_t>(random())) - 1.0f;
+    };
+    const auto point = [&] { return Vec3(unit(), unit(), unit()); };
+    Scene scene;
+    for (std::uint32_t i = 0; i < 150; ++i) {
+        const Vec3 at = point();
+        for (int k = 0; k < 3; ++k) scene.vertices.push_back(at + point() * 0.3f);
+        scene.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    std::vector<Ray> rays;
+    for (int i = 0; i < 60; ++i) {
+        const Vec3 from = point() * 2.0f;
+        Vec3 to = point() * 0.5f - from;
+        if (i % 6 == 0) to.x = 0.0f;
+        if (i % 6 == 1) to.y = -0.0f;
+        rays.push_back({from, i % 5 == 0 ? -0.0f : 0.01f, to, i % 4 == 0 ? 1.0f : kInf});
+    }
+    const float away = 1.0e26f;  // so far that slabs overflow
+    for (const float sign : {-1.0f, 1.0f}) {
+        rays.push_back({Vec3(sign * away), 0.0f, Vec3(-sign * 1.0e-15f), kInf});
+    }
+    for (const Ray& ray : rays) words.add(first_entry(ray));
+    add_walks<2>(words, scene, rays);
+    add_walks<4>(words, scene, rays);
+    add_walks<8>(words, scene, rays);
+    add_walks<16>(words, scene, rays);
+}
+
 Scene lit_scene() {
     Scene scene;
     scene.vertices = {Vec3(-1.0f, -1.0f, 0.0f), Vec3(1.0f, -1.0f, 0.25f), Vec3(0.0f, 1.0f, 3.0f)};
@@ -258,6 +367,8 @@ void add_defaults(Words& words) {
     const StageView stage;
     words.add(stage.kind, stage.launch, stage.batch, stage.bounce, stage.light, stage.level,
               stage.blocks, stage.threads);
+    const BufferView buffer;
+    words.add(buffer.type, buffer.bytes, buffer.data == nullptr);
     const LaunchRecord launch;
     words.add(launch.kind, launch.batch, launch.bounce, launch.light, launch.level, launch.blocks);
     const StagePlace place;
@@ -282,6 +393,8 @@ std::uint64_t hash_of_numerics() {
     Words words;
     add_parity_cases(words);
     add_geometry(words);
+    add_cuts(words);
+    add_all_walks(words);
     add_shading(words);
     add_sums(words);
     add_defaults(words);

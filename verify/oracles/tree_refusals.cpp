@@ -66,6 +66,10 @@ class TreeSpoiler {
             b.node_refs.pop_back();
             b.parents.pop_back();
         });
+        refused("no nodes", [](WideBvh& b) {
+            b.node_refs.clear();
+            b.parents.clear();
+        });
         refused("a leaf less", [](WideBvh& b) { b.leaves.pop_back(); });
         refused("a triangle less", [](WideBvh& b) { b.triangles.pop_back(); });
         refused("a triangle twice", [](WideBvh& b) { b.triangles.push_back(b.triangles.front()); });

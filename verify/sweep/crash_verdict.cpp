@@ -4,10 +4,14 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <cstring>
 #include <mutex>
+#include <string>
 #include <string_view>
+#include <thread>
 
 #include "emulation/check/bad_address.h"
 #include "emulation/execution/context.h"
@@ -37,6 +41,15 @@ void say(std::string_view text) {
     [[maybe_unused]] const auto written = ::write(STDERR_FILENO, text.data(), text.size());
 }
 
+[[noreturn]] void end_as_failed() {
+    for (const auto& slot : named_under_way) {
+        const char* const text = slot.load();
+        if (text != nullptr) say(text);
+    }
+    say("verify: FAILED\n");
+    ::_exit(kExitFailed);
+}
+
 extern "C" void judge_crash(int signal) {
     if (emulation::simt::context.way_out != nullptr &&
         executor_of_bad_address.sa_handler != nullptr && (signal == SIGSEGV || signal == SIGBUS)) {
@@ -49,12 +62,29 @@ extern "C" void judge_crash(int signal) {
     say("scotty: error: first failure: [crash] ");
     say(name);
     say(" ended the process, so there is no report; under way was:\n");
-    for (const auto& slot : named_under_way) {
-        const char* const text = slot.load();
-        if (text != nullptr) say(text);
+    end_as_failed();
+}
+
+std::atomic<std::uint64_t> things_ended{0};
+std::atomic<std::int64_t> patience_in_ms{0};
+
+void watch_for_hangs() {
+    using Clock = std::chrono::steady_clock;
+    std::uint64_t known = things_ended;
+    Clock::time_point since = Clock::now();
+    while (true) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        const std::uint64_t now = things_ended;
+        const std::int64_t patience = patience_in_ms;
+        if (now != known || patience == 0) {
+            known = now;
+            since = Clock::now();
+        } else if (Clock::now() - since > std::chrono::milliseconds(patience)) {
+            say("scotty: error: first failure: [hang] nothing has ended for " +
+                std::to_string(patience / 1000) + " s, so there is no report; under way was:\n");
+            end_as_failed();
+        }
     }
-    say("verify: FAILED\n");
-    ::_exit(kExitFailed);
 }
 
 }  // namespace
@@ -82,6 +112,18 @@ void catch_crashes() {
     }
 }
 
+void catch_hangs(std::chrono::milliseconds patience) {
+    patience_in_ms = patience.count();
+    if (patience.count() == 0) return;
+    static const bool watched = [] {
+        std::thread(watch_for_hangs).detach();
+        return true;
+    }();
+    static_cast<void>(watched);
+}
+
+void note_progress() { ++things_ended; }
+
 UnderWay::UnderWay(const std::string& what, const std::string& command)
     : text_("  " + what + "\n    " + command + "\n"), slot_(kSlots) {
     for (std::size_t i = 0; i < kSlots; ++i) {
@@ -94,6 +136,7 @@ UnderWay::UnderWay(const std::string& what, const std::string& command)
 
 UnderWay::~UnderWay() {
     if (slot_ < kSlots) named_under_way[slot_].store(nullptr);
+    note_progress();
 }
 
 }  // namespace scotty::verify

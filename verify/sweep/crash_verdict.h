@@ -2,6 +2,7 @@
 /// show it again, and the process ends as one whose verification has failed.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <string>
 
@@ -12,6 +13,12 @@ namespace scotty::verify {
 /// frameworks) stays, and takes precedence. Kernels of the back end simt that reach memory which is
 /// not there are still ended by the executor, without the process.
 void catch_crashes();
+
+/// From now on it is such a verdict, too, that nothing has ended for so long: no launch, no run, no
+/// oracle. The last call counts; zero: patience without end, as before the first.
+void catch_hangs(std::chrono::milliseconds patience);
+/// Something has ended.
+void note_progress();
 
 /// Something that may crash, for as long as this lives. Any number may be under way, on any
 /// threads; the first 64 are named.

@@ -14,6 +14,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <utility>
 
@@ -83,6 +84,7 @@ class StoppingObserver : public reference::StageObserver {
     StoppingObserver(const std::function<bool()>& stop, const std::atomic<bool>& ended)
         : stop_(stop), ended_(ended) {}
     void on_stage(const StageView&) override {
+        note_progress();
         if (ended_ || (stop_ && stop_())) throw Stopped{};
     }
 
@@ -340,22 +342,27 @@ class SceneVerification {
             baseline == nullptr ? "baseline: " + configuration.label() : configuration.label();
         out.replay = replay_of(configuration);
         const UnderWay under_way(out.label, out.replay);
+        // What had been seen until then leads: it may well be the reason.
+        const auto ended_by = [&](const char* why) {
+            out.failures = failures_until_now(checker, emulator, out.stages, false);
+            Failure failure;
+            failure.invariant = "error";
+            failure.stage = "render";
+            failure.sentence = why;
+            out.failures.push_back(std::move(failure));
+            out.counts = checker.counts();
+            out.counts.failures += 1;
+        };
         try {
             const std::unique_ptr<reference::PipelineInterface> pipeline =
                 emulator ? backend.pipeline(*input, observer)
                          : std::make_unique<emulation::Pipeline>(scene_, bvh, p, device, observer);
             recording.image = pipeline->render();
             if (work) work->add(pipeline->launches(), pipeline->device_bytes());
-        } catch (const reference::Error& error) {
-            // What had been seen until then leads: it may well be the reason.
-            out.failures = failures_until_now(checker, emulator, out.stages, false);
-            Failure failure;
-            failure.invariant = "error";
-            failure.stage = "render";
-            failure.sentence = error.what();
-            out.failures.push_back(std::move(failure));
-            out.counts = checker.counts();
-            out.counts.failures += 1;
+        } catch (const std::bad_alloc&) {
+            throw;  // the machine's limit, not the pipeline's fault
+        } catch (const std::exception& error) {
+            ended_by(error.what());
             return recording;
         }
         out.failures = failures_until_now(checker, emulator, out.stages, true);
@@ -575,6 +582,9 @@ class SceneVerification {
             return reference::validate(tree, of);
         };
         add(check_tree_refusals(input.bvh, scene_, validator, &said));
+        PipelineParameters cut = baseline.parameters;  // nodes below the levels that have queues
+        cut.queue_levels = 1;
+        add(check_tree_refusals(bvh_of(cut), scene_, validator, &said));
         add(check_parameter_refusals([](const auto& p) { reference::validate(p); }, &said));
         add(check_ray_refusals(input, backend, rays, &said));
         add(check_queue_refusal(input, backend, rays, &said));

@@ -66,6 +66,9 @@ std::size_t units_of_scene(const VerifySettings& settings);
 /// Never throws for a failed check: those are in the report.
 SceneReport verify_scene(const reference::Scene& scene, const VerifySettings& settings);
 
+/// Of a scene that is known to be valid, and that yet cannot be loaded or run: that is a failure.
+SceneReport refused_scene(const std::string& scene, const std::string& why);
+
 /// Each case against the baseline of its own picture, and that against the oracles. One
 /// configuration in the report a case: its counts are of both runs. `settings` says how they run;
 /// its picture and its filter do not count.

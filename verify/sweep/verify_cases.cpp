@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <map>
+#include <new>
 #include <utility>
 
 #include "reference/base/error.h"
@@ -21,20 +23,6 @@ void add(SceneReport& sum, const SceneReport& one) {
     sum.oracles_ran = sum.oracles_ran || one.oracles_ran;
     sum.oracle_seconds += one.oracle_seconds;
     sum.triangles = std::max(sum.triangles, one.triangles);
-}
-
-/// The cases' own scenes and pictures are valid, so that one which cannot be verified is a failure.
-SceneReport refused(const reference::Error& error) {
-    SceneReport report;
-    report.scene = "cases";
-    Failure failure;
-    failure.invariant = "error";
-    failure.stage = "scene";
-    failure.sentence = error.what();
-    ConfigurationReport& only = report.configurations.emplace_back();
-    only.failures.push_back(std::move(failure));
-    only.counts.failures = 1;
-    return report;
 }
 
 /// The baseline's run, the case's and the oracles as one: whatever failed is shown again by the
@@ -68,6 +56,20 @@ ConfigurationReport folded(SceneReport report, const Case& one) {
 
 }  // namespace
 
+SceneReport refused_scene(const std::string& scene, const std::string& why) {
+    SceneReport report;
+    report.scene = scene;
+    report.source = scene;
+    Failure failure;
+    failure.invariant = "error";
+    failure.stage = "scene";
+    failure.sentence = why;
+    ConfigurationReport& only = report.configurations.emplace_back();
+    only.failures.push_back(std::move(failure));
+    only.counts.failures = 1;
+    return report;
+}
+
 SceneReport verify_cases(const std::vector<Case>& cases, const VerifySettings& settings) {
     const auto start = std::chrono::steady_clock::now();
     SceneReport report;
@@ -86,6 +88,11 @@ SceneReport verify_cases(const std::vector<Case>& cases, const VerifySettings& s
         alone.progress = nullptr;
         if (!report.passed()) alone.on_first_failure = nullptr;  // the first one was announced
         SceneReport found;
+        // The cases' own scenes and pictures are valid.
+        const auto refuse = [&](const char* why) {
+            found = refused_scene("cases", why);
+            if (alone.on_first_failure) alone.on_first_failure(placed_failures(found).front());
+        };
         try {
             auto scene = scenes.find(one.scene);
             if (scene == scenes.end()) {
@@ -94,8 +101,11 @@ SceneReport verify_cases(const std::vector<Case>& cases, const VerifySettings& s
             found = verify_scene(scene->second, alone);
         } catch (const reference::Error& error) {
             if (error.kind() == reference::ErrorKind::missing_environment) throw;
-            found = refused(error);
-            if (alone.on_first_failure) alone.on_first_failure(placed_failures(found).front());
+            refuse(error.what());
+        } catch (const std::bad_alloc&) {
+            throw;
+        } catch (const std::exception& error) {
+            refuse(error.what());
         }
         if (found.left_out != 0 && found.passed()) {  // a signal ended it
             report.left_out = cases.size() - i;

@@ -3,10 +3,12 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <csignal>
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -74,6 +76,38 @@ TEST_CASE("crash: what was under way is said, and the verification has failed", 
         CHECK(ended.said.find("--width 4") == std::string::npos);
         CHECK(ended.said.find("verify: FAILED") != std::string::npos);
     }
+}
+
+TEST_CASE("hang: where nothing ends any more, the verification has failed", "[verify][crash]") {
+    using namespace std::chrono_literals;
+    const Ended ended = child_that([] {
+        catch_hangs(200ms);
+        const UnderWay run("width 8", "scotty verify cornell --width 8");
+        std::this_thread::sleep_for(60s);
+    });
+    REQUIRE(WIFEXITED(ended.status));
+    CHECK(WEXITSTATUS(ended.status) == kExitFailed);
+    CHECK(ended.said.find("first failure: [hang]") != std::string::npos);
+    CHECK(ended.said.find("scotty verify cornell --width 8\n") != std::string::npos);
+    CHECK(ended.said.find("verify: FAILED") != std::string::npos);
+}
+
+TEST_CASE("hang: what ends now and then does not hang, nor what nobody waits for",
+          "[verify][crash]") {
+    using namespace std::chrono_literals;
+    const Ended ended = child_that([] {
+        catch_hangs(2s);
+        for (int i = 0; i < 25; ++i) {
+            std::this_thread::sleep_for(100ms);
+            note_progress();
+        }
+        catch_hangs(100ms);
+        catch_hangs(0ms);
+        std::this_thread::sleep_for(500ms);
+    });
+    REQUIRE(WIFEXITED(ended.status));
+    CHECK(WEXITSTATUS(ended.status) == 0);
+    CHECK(ended.said.empty());
 }
 
 TEST_CASE("crash: more runs than can be named are no harm", "[verify][crash]") {

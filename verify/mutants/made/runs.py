@@ -131,7 +131,7 @@ def load_steps(path):
 
 def verdict_steps(scotty):
     """What judges a fault, cheap first; the text of gpu/ by runs of its own."""
-    common = [scotty, "verify", "--fail-fast"]
+    common = [scotty, "verify", "--fail-fast", "--patience", "30"]
     simt = common + ["--quick", "--backend", "simt"]
     return {"emulator": [Step("quick", common + ["--quick"]), Step("golden", common + ["--only-golden"]),
                          Step("default", common)],
