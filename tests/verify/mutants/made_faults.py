@@ -187,11 +187,16 @@ class Again(unittest.TestCase):
                                   common | {"key": "c", "verdict": "passed", "suite": "passed"},
                                   common | {"key": "d", "verdict": "failed", "verdict_by": "quick", "operator": "neutral"}])
             known = again.load(killed)
-            self.assertEqual(set(known), {"a", "b"})
+            self.assertEqual({key for key in known if "by" in known[key]}, {"a", "b"})
             self.assertEqual(again.command_of(known["a"], "/b")[:2], ["/b/bin/scotty", "verify"])
             self.assertEqual(again.command_of(known["b"], "/b"), ["/b/bin/test_x", "x: y", "--abort"])
-            again.record(killed, [common | {"key": "a", "verdict": "passed"}])
-            self.assertEqual(set(again.load(killed)), {"b"})
+            again.record(killed, [common | {"key": "a", "verdict": "passed"},
+                                  common | {"key": "c", "verdict": "crashed", "verdict_by": "quick"}])
+            known = again.load(killed)
+            self.assertEqual(known["c"], {"file": "gpu/a.h", "by": "quick", "former": True})
+            faults = [{"key": key, "path": "gpu/a.h", "begin": 0, "end": 1} for key in "abc"]
+            self.assertEqual([f["key"] for f in again.chosen(faults, known, 5, 1)], ["c", "b"])
+            self.assertEqual([f["key"] for f in again.chosen(faults, known, 0, 1)], ["c"])
 
     def test_a_run_that_does_nothing_any_more_has_timed_out(self):
         idle, runs.IDLE = runs.IDLE, 1.0

@@ -3,6 +3,7 @@ import json
 import os
 from concurrent.futures import ThreadPoolExecutor
 
+import listing
 import runs
 from scores import DETECTED
 
@@ -10,7 +11,8 @@ LIMIT = 120  # seconds of processor time
 
 
 def load(path):
-    """key -> {"by": a step of runs.verdict_steps() or a test program, "test": its case}."""
+    """key -> {"by": a step of runs.verdict_steps() or a test program, "test": its case, "former": it had survived a sweep};
+    or, of a fault that survived the latest one, {"survived": true}."""
     if not os.path.exists(path):
         return {}
     with open(path, encoding="utf-8") as file:
@@ -23,11 +25,16 @@ def record(path, results):
     for result in results:
         if result["operator"] == "neutral":
             continue
-        killed.pop(result["key"], None)
+        before = killed.pop(result["key"], {})
         if result["verdict"] in DETECTED:
-            killed[result["key"]] = {"file": result["path"], "by": result["verdict_by"]}
+            now = {"by": result["verdict_by"]}
         elif result.get("suite") in DETECTED and result.get("test"):
-            killed[result["key"]] = {"file": result["path"], "by": result["suite_by"], "test": result["test"]}
+            now = {"by": result["suite_by"], "test": result["test"]}
+        else:
+            now = {"survived": True}
+        if "by" in now and (before.get("survived") or before.get("former")):
+            now["former"] = True
+        killed[result["key"]] = {"file": result["path"]} | now
     with open(path, "w", encoding="utf-8") as file:
         json.dump({"killed": dict(sorted(killed.items()))}, file, indent=1)
         file.write("\n")
@@ -35,7 +42,14 @@ def record(path, results):
 
 def faults_of(faults, killed):
     """Those that are in the text still: an edit of its place ends a fault."""
-    return [fault for fault in faults if fault["key"] in killed]
+    return [fault for fault in faults if "by" in killed.get(fault["key"], {})]
+
+
+def chosen(faults, killed, count, seed):
+    """All former survivors, and so many of the others."""
+    known = faults_of(faults, killed)
+    former = [fault for fault in known if killed[fault["key"]].get("former")]
+    return former + listing.sample([fault for fault in known if fault not in former], count, seed)
 
 
 def command_of(killer, build):
@@ -58,6 +72,5 @@ def judge_all(faults, killed, copy, jobs, say):
     for fault in survived:
         say(f"survived what killed it: {fault['path']}:{fault['line']} {fault['original']} -> {fault['text']}")
     seconds = sum(outcome.seconds for outcome in outcomes)
-    say(f"{len(known) - len(survived)} of {len(known)} killed again, {len(killed) - len(known)} are not in the text any more, "
-        f"{seconds:.0f} s of runs")
+    say(f"{len(known) - len(survived)} of {len(known)} killed again, {seconds:.0f} s of runs")
     return 1 if survived else 0

@@ -66,7 +66,7 @@ def planted(options, targets):
         everything = places(options)
         chosen = listing.sample(everything["faults"], options.planted, options.seed, options.files)
         if options.again:
-            chosen = again.faults_of(everything["faults"], again.load(KILLED))
+            chosen = again.chosen(everything["faults"], again.load(KILLED), options.sample, options.seed)
         edits = neutral.neutral_edits(everything["faults"], listing.Reader(TOP))
         if not options.again:
             chosen += listing.sample(edits, 2 * options.neutral, options.seed, options.files)
@@ -116,7 +116,7 @@ def options_of(words):
     parser.add_argument("--json", help="write totals and results to this file; - is standard output")
     parser.add_argument("--badge", help="write a badge's JSON")
     parser.add_argument("--again", action="store_true",
-                        help="those of killed.json, each by the run that killed it when it was recorded; fails if one is not any more")
+                        help="former survivors and a sample of killed.json, each by the run that killed it; fails if one survives now")
     parser.add_argument("--record", action="store_true", help="write what killed the judged faults into killed.json")
     parser.add_argument("--steps", type=int, default=9, help="only so many verdicts of a fault, cheap ones first; go on later")
     parser.add_argument("--longest", type=int, default=1800, help="a run or test of more seconds of processor time judges none")
