@@ -9,11 +9,14 @@
 #include <glm/vec3.hpp>
 #include <limits>
 
-#include "reference/numerics/intersect_box.h"
 #include "reference/numerics/intersect_triangle.h"
 
 namespace scotty::reference {
 namespace {
+
+/// Of the farthest vertex's distance: 16 units in the last place, for the sheared vertices of both
+/// float tests.
+constexpr double kRounding = 1.0 / (1 << 20);
 
 /// Edge functions below this underflow in float, whatever their relative precision.
 constexpr double kUnderflow = std::numeric_limits<float>::min();
@@ -78,7 +81,7 @@ TriangleVerdict judge_triangle(const Scene& scene, std::uint32_t triangle, const
     const glm::dvec3 c = shear.relative(scene.vertices[index[2]]);
     const std::array<double, 3> sides{glm::length(c - b), glm::length(a - c), glm::length(b - a)};
     const double reach = std::max({glm::length(a), glm::length(b), glm::length(c)});
-    const double tolerance = double{kBoxPad} * reach;
+    const double tolerance = kRounding * reach;
 
     const Sheared sa = shear.apply(a);
     const Sheared sb = shear.apply(b);
@@ -131,7 +134,7 @@ TriangleVerdict judge_triangle(const Scene& scene, std::uint32_t triangle, const
         const double facing = least * std::abs(shear.dz) / speed;
         const double tilt = side * side / facing;
         out.t_margin = std::min(rounding_t * (1.0 + tilt), (last_t - first_t) + rounding_t);
-        out.uv_margin = 2.0 * determinant_margin / least + double{kBoxPad};
+        out.uv_margin = 2.0 * determinant_margin / least + kRounding;
     }
 
     const double t_min = ray.t_min;

@@ -5,7 +5,7 @@
 /// comes with a margin that covers the rounding of *both* float tests: Woop's, whose products round
 /// relative to the sheared vertices, and Embree's Pluecker test, whose products round relative to
 /// the vertices as seen from the origin. Both therefore shift an edge by a few units in the last
-/// place of `reach`, the distance to the farthest vertex; as for boxes, kBoxPad of it is allowed.
+/// place of `reach`, the distance to the farthest vertex; 2^-20 of it is allowed.
 #pragma once
 
 #include <string>
