@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "emulation/kernels/intersect.h"
+#include "emulation/kernels/intersect_pairs.h"
 #include "emulation/kernels/intersect_root.h"
 #include "emulation/kernels/intersect_subtrees.h"
 #include "emulation/kernels/merge_intersections.h"
@@ -28,6 +29,10 @@ namespace {
 std::uint32_t side_of_grid(std::uint32_t blocks) {
     auto side = static_cast<std::uint32_t>(std::ceil(std::sqrt(static_cast<double>(blocks))));
     return std::max(1u, side);
+}
+
+StageKind level_stage(const StagePlace& place) {
+    return place.level == 0 ? StageKind::intersect_root : StageKind::intersect;
 }
 
 }  // namespace
@@ -91,7 +96,7 @@ void Traversal::run_stage(const StageView& stage) {
             break;
         default:
             load_level(stage);
-            intersect_level(place);
+            launch(place);
             break;
     }
     alone_ = false;
@@ -100,18 +105,19 @@ void Traversal::run_stage(const StageView& stage) {
 
 void Traversal::load_level(const StageView& stage) {
     const reference::StageBuffers in(stage);
-    const reference::LevelInput level =
-        reference::level_input(in, nodes_of(bvh_.level_begins, stage), parameters_, stage);
-    rays_ = level.rays;
-    const std::array<std::uint32_t, 2> all{0, static_cast<std::uint32_t>(rays_.size())};
-    node_counts_.assign(level.node_counts);
-    queue_offsets_.assign(stage.level == 0 ? std::span<const std::uint32_t>(all)
-                                           : level.queue_offsets);
-    queue_.assign(level.queue);
-    block_offsets_.assign(level.block_offsets);
-    child_offsets_.assign(level.child_offsets);
-    entries_ =
-        std::accumulate(level.node_counts.begin(), level.node_counts.end(), std::uint64_t{0});
+    const reference::LevelNodes nodes = nodes_of(bvh_.level_begins, stage);
+    if (has_pairs()) {
+        rays_ = in.input(buffers::rays);
+        entries_ = rays_.size();
+        if (stage.level != 0) {
+            const std::vector<std::uint32_t> begins = inner_begins(bvh_);
+            pairs_.assign(reference::level_pairs(in, rays_.size(), begins[stage.level],
+                                                 begins[stage.level + 1]));
+            entries_ = pairs_.size();
+        }
+    } else {
+        load_queues(reference::level_input(in, nodes, parameters_, stage), stage.level);
+    }
     if (parameters_.early_out != EarlyOut::off) {
         minimum_.assign(in.input(buffers::minimum, rays_.size()));
     }
@@ -119,6 +125,18 @@ void Traversal::load_level(const StageView& stage) {
         lowered_.assign(in.input(buffers::lowered, rays_.size()));
     }
     load_hits(in, rays_.size());
+}
+
+void Traversal::load_queues(const reference::LevelInput& level, std::uint32_t number) {
+    rays_ = level.rays;
+    const std::array<std::uint32_t, 2> all{0, static_cast<std::uint32_t>(rays_.size())};
+    node_counts_.assign(level.node_counts);
+    queue_offsets_.assign(number == 0 ? std::span<const std::uint32_t>(all) : level.queue_offsets);
+    queue_.assign(level.queue);
+    block_offsets_.assign(level.block_offsets);
+    child_offsets_.assign(level.child_offsets);
+    entries_ =
+        std::accumulate(level.node_counts.begin(), level.node_counts.end(), std::uint64_t{0});
 }
 
 void Traversal::load_hits(const reference::StageBuffers& in, std::size_t rays) {
@@ -179,10 +197,15 @@ void Traversal::reset_hits(const StagePlace& place) {
 void Traversal::run_levels(StagePlace place) {
     for (std::uint32_t level = 0; level < bvh_.level_count() && entries_ > 0; ++level) {
         const StagePlace here = place.at_level(level);
-        scan(here);
-        intersect_level(here);
-        check_queues(here);
+        if (!has_pairs()) scan(here);
+        launch(here);
+        if (!has_pairs()) check_queues(here);
         if (parameters_.early_out == EarlyOut::level) publish_minimum(here);
+        if (has_pairs()) {
+            std::swap(pairs_, child_pairs_);
+            entries_ = pairs_.size();
+            continue;
+        }
         std::swap(node_counts_, child_counts_);
         std::swap(queue_offsets_, child_offsets_);
         std::swap(queue_, child_queue_);
@@ -191,17 +214,21 @@ void Traversal::run_levels(StagePlace place) {
     }
 }
 
+void Traversal::check_room(StageKind kind, const StagePlace& place) const {
+    const std::uint64_t most = entries_ * static_cast<std::uint64_t>(bvh_.width);
+    if (most <= limits_.queue_entries) return;
+    throw reference::Error::bad_input(
+        place.name(kind),
+        fmt::format("{} queue entries in {} nodes may need {} slots in the next level, more "
+                    "than {}; trace fewer rays at once (--batch-rays, now {})",
+                    entries_, level_nodes(place.level), most, limits_.queue_entries,
+                    parameters_.batch_rays));
+}
+
 void Traversal::scan(const StagePlace& place) {
     const std::uint32_t nodes = level_nodes(place.level);
     const std::uint32_t children = level_nodes(place.level + 1);
-    const std::uint64_t most = entries_ * static_cast<std::uint64_t>(bvh_.width);
-    if (most > limits_.queue_entries) {
-        throw reference::Error::bad_input(
-            place.name(StageKind::scan_counts),
-            fmt::format("{} queue entries in {} nodes may need {} slots in the next level, more "
-                        "than {}; trace fewer rays at once (--batch-rays, now {})",
-                        entries_, nodes, most, limits_.queue_entries, parameters_.batch_rays));
-    }
+    check_room(StageKind::scan_counts, place);
     block_offsets_.resize(nodes + 1);
     child_offsets_.resize(children + 1);
     block_offsets_.discard();
@@ -220,6 +247,71 @@ void Traversal::scan(const StagePlace& place) {
     show(StageKind::scan_counts, place, 1, kScanThreads);
 }
 
+void Traversal::launch(const StagePlace& place) {
+    if (has_pairs()) {
+        intersect_pair_level(place);
+    } else {
+        intersect_level(place);
+    }
+}
+
+void Traversal::intersect_pair_level(const StagePlace& place) {
+    const StageKind kind = level_stage(place);
+    check_room(kind, place);
+    const bool subtrees = bvh_.is_level_of_subtrees(place.level);
+    child_pair_count_.resize(1);
+    child_pair_count_.fill(0);
+    child_pairs_.resize(subtrees ? 0 : entries_ * static_cast<std::uint64_t>(bvh_.width));
+    child_pairs_.discard();
+
+    const auto threads = static_cast<std::uint32_t>(parameters_.rays_per_block);
+    const auto total = static_cast<std::uint32_t>((entries_ + threads - 1) / threads);
+    const bool strided = parameters_.block_order == reference::BlockOrder::strided;
+    const std::uint32_t side = strided ? side_of_grid(total) : 0;
+    const std::uint32_t blocks = side == 0 ? total : side * side;
+    log_.timed(kind, place, blocks, entries_, [&] {
+        switch (bvh_.width) {
+            case 2:
+                launch_pairs<2>(place.level, blocks, side);
+                break;
+            case 4:
+                launch_pairs<4>(place.level, blocks, side);
+                break;
+            case 8:
+                launch_pairs<8>(place.level, blocks, side);
+                break;
+            default:
+                launch_pairs<16>(place.level, blocks, side);
+                break;
+        }
+    });
+    if (child_pair_count_[0] > child_pairs_.size()) {
+        throw reference::Error::internal(
+            fmt::format("{}: the next level's queue has {} slots, but {} pairs were appended to it",
+                        place.name(kind), child_pairs_.size(), child_pair_count_[0]));
+    }
+    child_pairs_.resize(child_pair_count_[0]);
+    show(kind, place, blocks, threads);
+}
+
+template <int Width>
+void Traversal::launch_pairs(std::uint32_t level, std::uint32_t blocks, std::uint32_t grid_side) {
+    const reference::WideBvhView<Width> bvh = reference::view_of<Width>(bvh_);
+    const auto threads = static_cast<std::uint32_t>(parameters_.rays_per_block);
+    const PairView queue{static_cast<std::uint32_t>(entries_), level == 0 ? nullptr : pairs_.data(),
+                         child_pair_count_.data(), child_pairs_.data()};
+    const HitView hits = hit_view();
+    const MinimumView minimum = minimum_view();
+    const bool subtrees = bvh_.is_level_of_subtrees(level);
+    device_.launch(blocks, threads, [&](const Block& block) {
+        if (subtrees) {
+            intersect_pair_subtrees(block, bvh, rays_.data(), queue, hits, minimum, grid_side);
+        } else {
+            intersect_pairs(block, bvh, rays_.data(), queue, hits, minimum, grid_side);
+        }
+    });
+}
+
 void Traversal::intersect_level(const StagePlace& place) {
     const std::uint32_t nodes = level_nodes(place.level);
     const std::uint32_t children = level_nodes(place.level + 1);
@@ -232,7 +324,7 @@ void Traversal::intersect_level(const StagePlace& place) {
     const std::uint32_t total = block_offsets_[nodes];
     const std::uint32_t side = strided && place.level > 0 ? side_of_grid(total) : 0;
     const std::uint32_t blocks = side == 0 ? total : side * side;
-    const StageKind kind = place.level == 0 ? StageKind::intersect_root : StageKind::intersect;
+    const StageKind kind = level_stage(place);
     log_.timed(kind, place, blocks, entries_, [&] {
         switch (bvh_.width) {
             case 2:
@@ -278,8 +370,8 @@ void Traversal::check_queues(const StagePlace& place) {
     const std::uint32_t child = node - bvh_.level_begins[place.level + 1];
     throw reference::Error::internal(
         fmt::format("{}: the queue of node {} has {} slots, but {} rays were pushed to it",
-                    place.name(place.level == 0 ? StageKind::intersect_root : StageKind::intersect),
-                    node, child_offsets_[child + 1] - child_offsets_[child], child_counts_[child]));
+                    place.name(level_stage(place)), node,
+                    child_offsets_[child + 1] - child_offsets_[child], child_counts_[child]));
 }
 
 void Traversal::publish_minimum(const StagePlace& place) {
@@ -338,6 +430,8 @@ void Traversal::show(StageKind kind, const StagePlace& place, std::uint32_t bloc
         offer(buffers::child_counts, child_counts_.view());
         offer(buffers::child_offsets, child_offsets_.view());
         offer(buffers::child_queue, child_queue_.view());
+        offer(buffers::pairs, pairs_.view());
+        offer(buffers::child_pairs, child_pairs_.view());
         offer(buffers::hit_counts, hit_counts_.view());
         offer(buffers::hits, candidates_.view(), rays_.size());
         offer(buffers::packed_hits, packed_.view());
@@ -369,8 +463,8 @@ MinimumView Traversal::minimum_view() {
 std::size_t Traversal::device_bytes() const {
     return node_counts_.bytes() + child_counts_.bytes() + queue_offsets_.bytes() +
            child_offsets_.bytes() + block_offsets_.bytes() + queue_.bytes() + child_queue_.bytes() +
-           hit_counts_.bytes() + candidates_.bytes() + packed_.bytes() + minimum_.bytes() +
-           lowered_.bytes();
+           pairs_.bytes() + child_pairs_.bytes() + hit_counts_.bytes() + candidates_.bytes() +
+           packed_.bytes() + minimum_.bytes() + lowered_.bytes();
 }
 
 }  // namespace scotty::emulation

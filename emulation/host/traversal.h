@@ -42,11 +42,19 @@ class Traversal {
 
  private:
     void load_level(const reference::StageView& stage);
+    void load_queues(const reference::LevelInput& level, std::uint32_t number);
     void load_hits(const reference::StageBuffers& in, std::size_t rays);
     void reset(std::span<const reference::Ray> rays, TraversalKind kind);
     void reset_hits(const StagePlace& place);
     void run_levels(StagePlace place);
+    /// Throws bad_input naming stage and sizes where the next level's entries may be too many.
+    void check_room(reference::StageKind kind, const StagePlace& place) const;
     void scan(const StagePlace& place);
+    /// The launch of a level, with whichever queues there are.
+    void launch(const StagePlace& place);
+    void intersect_pair_level(const StagePlace& place);
+    template <int Width>
+    void launch_pairs(std::uint32_t level, std::uint32_t blocks, std::uint32_t grid_side);
     void intersect_level(const StagePlace& place);
     template <int Width>
     void launch_level(std::uint32_t level, std::uint32_t blocks, std::uint32_t grid_side);
@@ -59,6 +67,7 @@ class Traversal {
               std::uint32_t threads, std::span<const reference::Hit> merged = {});
 
     LevelView level_view(std::uint32_t level);
+    bool has_pairs() const { return parameters_.queues == reference::QueueKind::pairs; }
     HitView hit_view();
     MinimumView minimum_view();
     std::uint32_t level_nodes(std::uint32_t level) const {
@@ -86,6 +95,9 @@ class Traversal {
     DeviceBuffer<std::uint32_t> block_offsets_{device_, "block offsets"};
     DeviceBuffer<std::uint32_t> queue_{device_, "ray queues", BufferUse::each_slot_once};
     DeviceBuffer<std::uint32_t> child_queue_{device_, "ray queues", BufferUse::each_slot_once};
+    DeviceBuffer<std::uint32_t> child_pair_count_{device_, "number of pairs"};
+    DeviceBuffer<reference::NodeRay> pairs_{device_, "pairs", BufferUse::each_slot_once};
+    DeviceBuffer<reference::NodeRay> child_pairs_{device_, "pairs", BufferUse::each_slot_once};
     DeviceBuffer<std::uint32_t> queue_overflow_{device_, "the overflow flag"};
 
     std::uint32_t hit_capacity_;

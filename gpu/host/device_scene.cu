@@ -20,13 +20,6 @@ std::vector<std::uint32_t> positions_of_parents(const reference::WideBvh& bvh) {
     return positions;
 }
 
-/// Inner nodes with an id below `end`.
-std::uint32_t inner_before(const reference::WideBvh& bvh, std::uint32_t end) {
-    return static_cast<std::uint32_t>(
-        std::count_if(bvh.node_refs.begin(), bvh.node_refs.begin() + end,
-                      [](std::uint32_t ref) { return !reference::is_leaf(ref); }));
-}
-
 SubtreeRoot root_of(const reference::WideBvh& bvh) {
     return std::visit(
         [](const auto& inner) {
@@ -43,13 +36,14 @@ std::span<const std::uint8_t> bytes_of(const std::vector<T>& records, std::size_
 
 }  // namespace
 
-DeviceScene::DeviceScene(const reference::Scene& scene, const reference::WideBvh& bvh,
+DeviceScene::DeviceScene(const reference::Scene& scene, const reference::WideBvh& bvh, bool pairs,
                          MemoryBudget& budget)
     : width_(bvh.width),
       level_begins_(bvh.level_begins),
+      inner_begins_(reference::inner_begins(bvh)),
       has_subtrees_(bvh.has_subtrees()),
       root_(root_of(bvh)),
-      first_subtree_(inner_before(bvh, bvh.level_begins[bvh.level_count() - 1])),
+      first_subtree_(pairs ? 0 : inner_begins_[bvh.level_count() - 1]),
       vertices_(budget),
       normals_(budget),
       triangles_(budget),
@@ -70,8 +64,8 @@ DeviceScene::DeviceScene(const reference::Scene& scene, const reference::WideBvh
     lights_.upload(scene.lights, "lights");
     std::visit(
         [&](const auto& nodes) {
-            inner_.upload(bytes_of(nodes, inner_before(bvh, bvh.level_begins.back())), "BVH nodes");
-            if (!has_subtrees_) return;
+            inner_.upload(bytes_of(nodes, inner_begins_.back()), "BVH nodes");
+            if (!has_subtrees_ && !pairs) return;
             const auto subtrees = subtree_nodes(bvh, nodes, first_subtree_);
             subtrees_.upload(bytes_of(subtrees, subtrees.size()), "BVH nodes below the queues");
         },
@@ -79,7 +73,7 @@ DeviceScene::DeviceScene(const reference::Scene& scene, const reference::WideBvh
     // Of nodes below the queues nobody asks for an id.
     const std::uint32_t nodes = bvh.level_begins.back();
     const std::vector<std::uint32_t> positions = positions_of_parents(bvh);
-    leaves_.upload({bvh.leaves.data(), nodes - inner_before(bvh, nodes)}, "BVH leaves");
+    leaves_.upload({bvh.leaves.data(), nodes - inner_begins_.back()}, "BVH leaves");
     triangle_rows_.upload(triangle_rows(bvh), "BVH triangles");
     node_refs_.upload({bvh.node_refs.data(), nodes}, "BVH node references");
     parent_positions_.upload({positions.data(), nodes}, "BVH parents");

@@ -14,7 +14,9 @@ namespace SCOTTY_DEVICE_NAMESPACE {
 
 class DeviceScene {
  public:
-    DeviceScene(const reference::Scene& scene, const reference::WideBvh& bvh, MemoryBudget& budget);
+    /// `pairs`: all nodes are laid out as those below the queues are, since pairs are tested so.
+    DeviceScene(const reference::Scene& scene, const reference::WideBvh& bvh, bool pairs,
+                MemoryBudget& budget);
 
     reference::SceneView view() const { return view_; }
     void set_camera(const reference::Camera& camera) { view_.camera = camera; }
@@ -33,6 +35,8 @@ class DeviceScene {
     const std::uint32_t* parent_positions() const { return parent_positions_.data(); }
     int width() const { return width_; }
     const std::vector<std::uint32_t>& level_begins() const { return level_begins_; }
+    /// reference::inner_begins().
+    const std::vector<std::uint32_t>& inner_begins() const { return inner_begins_; }
     std::uint32_t level_count() const {
         return static_cast<std::uint32_t>(level_begins_.size() - 1);
     }
@@ -46,10 +50,10 @@ class DeviceScene {
 
  private:
     int width_;
-    std::vector<std::uint32_t> level_begins_;
+    std::vector<std::uint32_t> level_begins_, inner_begins_;
     bool has_subtrees_;
     SubtreeRoot root_;
-    std::uint32_t first_subtree_;  ///< inner nodes of the levels above
+    std::uint32_t first_subtree_;  ///< inner nodes of the levels above; 0 with pairs
     reference::SceneView view_;
     DeviceMemory<reference::Vec3> vertices_, normals_;
     DeviceMemory<std::uint32_t> triangles_, material_of_;

@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "gpu/kernels/dialect.h"
+#include "gpu/kernels/intersect_pairs.h"
 #include "gpu/kernels/intersect_subtrees.h"
 #include "gpu/kernels/views.h"
 
@@ -42,6 +43,21 @@ void launch_subtrees(const LevelLaunch<Width>& launch, std::uint32_t resident, S
         SCOTTY_LAUNCH(intersect_subtrees_closest<Width>, blocks, kSubtreeThreads, stream,
                       launch.bvh, launch.rays, launch.level, launch.hits, launch.minimum, work,
                       final_hits);
+    }
+}
+
+/// The same from a queue of pairs: `work` need not say how many there are.
+template <int Width>
+void launch_pair_subtrees(const LevelLaunch<Width>& launch, std::uint32_t resident,
+                          const SubtreeWork& work, cudaStream_t stream) {
+    if (launch.minimum.culls != 0 && launch.minimum.any_hit != 0) {
+        SCOTTY_LAUNCH(intersect_pair_subtrees_any<Width>, resident, kSubtreeThreads, stream,
+                      launch.bvh, launch.rays, launch.level, launch.hits, launch.minimum, work,
+                      FinalHits{});
+    } else {
+        SCOTTY_LAUNCH(intersect_pair_subtrees_closest<Width>, resident, kSubtreeThreads, stream,
+                      launch.bvh, launch.rays, launch.level, launch.hits, launch.minimum, work,
+                      FinalHits{});
     }
 }
 

@@ -83,7 +83,7 @@ class DevicePipeline final : public reference::StagedPipeline {
                    reference::StageObserver* observer)
         : StagedPipeline(parameters, reference::view_of(scene).triangle_count),
           budget_{options.memory_limit, 0},
-          scene_(scene, bvh, budget_),
+          scene_(scene, bvh, parameters.queues == reference::QueueKind::pairs, budget_),
           log_(observer, options.timings),
           paths_(budget_),
           fused_(budget_),

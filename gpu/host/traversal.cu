@@ -7,6 +7,7 @@
 #include "gpu/kernels/clear_traversal.h"
 #include "gpu/kernels/dialect.h"
 #include "gpu/kernels/intersect.h"
+#include "gpu/kernels/intersect_pairs.h"
 #include "gpu/kernels/intersect_root.h"
 #include "gpu/kernels/merge_intersections.h"
 #include "gpu/kernels/publish_minimum.h"
@@ -42,7 +43,10 @@ template <int Width>
 LevelBlocks level_blocks(int rays_per_block) {
     return {resident_blocks(intersect<Width>, rays_per_block),
             std::max(resident_blocks(intersect_subtrees_any<Width>, kSubtreeThreads),
-                     resident_blocks(intersect_subtrees_closest<Width>, kSubtreeThreads))};
+                     resident_blocks(intersect_subtrees_closest<Width>, kSubtreeThreads)),
+            resident_blocks(intersect_pairs<Width>, rays_per_block),
+            std::max(resident_blocks(intersect_pair_subtrees_any<Width>, kSubtreeThreads),
+                     resident_blocks(intersect_pair_subtrees_closest<Width>, kSubtreeThreads))};
 }
 
 LevelBlocks level_blocks(int width, int rays_per_block) {
@@ -57,6 +61,10 @@ LevelBlocks level_blocks(int width, int rays_per_block) {
             return level_blocks<16>(rays_per_block);
     }
 }
+
+/// Pairs of a level at most: the counter, which runs on where there is no more room, does not reach
+/// its end before a block has noted that.
+constexpr std::size_t kMostPairs = std::size_t{1} << 31;
 
 StageKind level_stage(const StagePlace& place) {
     return place.level == 0 ? StageKind::intersect_root : StageKind::intersect;
@@ -78,6 +86,8 @@ Traversal::Traversal(const DeviceScene& scene, const reference::PipelineParamete
       scans_(budget),
       queue_(budget),
       child_queue_(budget),
+      pairs_(budget),
+      child_pairs_(budget),
       hit_counts_(budget),
       candidates_(budget),
       packed_(budget),
@@ -97,6 +107,8 @@ std::uint32_t Traversal::scan_blocks_of(std::uint32_t level) const {
 
 void Traversal::release() {
     for (auto* buffer : {&queue_, &child_queue_, &hit_counts_}) buffer->release();
+    pairs_.release();
+    child_pairs_.release();
     candidates_.release();
     packed_.release();
     minimum_.release();
@@ -123,28 +135,36 @@ void Traversal::enqueue(const TracedRays& traced, const StagePlace& place, const
     }
     prepare_rays(count_);
     clear(place);
-    for (std::uint32_t level = 0; level < scene_.level_count(); ++level) {
+    for (std::uint32_t level = 0; level < levels(); ++level) {
         const StagePlace here = place.at_level(level);
-        if (log_.observed()) {
-            // The emulator stops at the first empty level; show no more than it does.
-            const LevelView view = level_view(level);
-            const auto counts = download(view.node_counts, view.node_count, "queue lengths");
-            if (std::all_of(counts.begin(), counts.end(), [](auto c) { return c == 0; })) break;
-        }
+        // The emulator stops at the first empty level; show no more than it does.
+        if (log_.observed() && is_empty(level)) break;
         if (!launch_level(here)) return;  // run() grows what was too small
         if (parameters_.early_out == EarlyOut::level) launch_publish(here);
         swap(queue_, child_queue_);
+        swap(pairs_, child_pairs_);
     }
     launch_merge(place, hits.merged);
+}
+
+bool Traversal::is_empty(std::uint32_t level) const {
+    if (has_pairs()) return download(node_counts_.data() + level, 1, "queue lengths")[0] == 0;
+    const LevelView view = level_view(level);
+    const auto counts = download(view.node_counts, view.node_count, "queue lengths");
+    return std::all_of(counts.begin(), counts.end(), [](auto count) { return count == 0; });
 }
 
 void Traversal::prepare_levels() {
     const std::size_t nodes = scene_.level_begins().back();
     const std::size_t offsets = nodes + 2 * scene_.level_count() + 2;
-    node_counts_.resize(nodes, "queue lengths");
-    queue_offsets_.resize(offsets, "queue offsets");
-    block_offsets_.resize(offsets, "block offsets");
-    scans_.resize(scan_begins_.back(), "scan tiles");
+    if (has_pairs()) {
+        node_counts_.resize(scene_.level_count() + 1, "queue lengths");
+    } else {
+        node_counts_.resize(nodes, "queue lengths");
+        queue_offsets_.resize(offsets, "queue offsets");
+        block_offsets_.resize(offsets, "block offsets");
+        scans_.resize(scan_begins_.back(), "scan tiles");
+    }
     if (ray_ticket_.size() != 0) return;
     faults_.resize(1, "fault flags");
     ray_ticket_.resize(1, "ray ticket");
@@ -155,8 +175,14 @@ void Traversal::prepare_levels() {
 void Traversal::prepare_rays(std::uint32_t count) {
     queue_capacity_ = std::max(queue_capacity_, 2 * static_cast<std::size_t>(count) *
                                                     static_cast<std::size_t>(scene_.width()));
-    queue_.resize(queue_capacity_, "ray queues");
-    child_queue_.resize(queue_capacity_, "ray queues");
+    if (has_pairs()) {
+        queue_capacity_ = std::min(queue_capacity_, kMostPairs);
+        pairs_.resize(queue_capacity_, "pairs");
+        child_pairs_.resize(queue_capacity_, "pairs");
+    } else {
+        queue_.resize(queue_capacity_, "ray queues");
+        child_queue_.resize(queue_capacity_, "ray queues");
+    }
     if (parameters_.hit_mode == HitMode::packed) {
         packed_.resize(count, "packed hits");
     } else {
@@ -188,10 +214,13 @@ void Traversal::launch_scan(const StagePlace& place, const LevelView& level) {
 
 bool Traversal::launch_level(const StagePlace& place) {
     const LevelView level = level_view(place.level);
-    launch_scan(place, level);
-    if (log_.observed() && overflowed()) return false;
-    show_scan(place);
+    if (!has_pairs()) {
+        launch_scan(place, level);
+        if (log_.observed() && overflowed()) return false;
+        show_scan(place);
+    }
     discard_slots(child_queue_.data(), child_queue_.size() * 4);
+    discard_slots(child_pairs_.data(), child_pairs_.size() * sizeof(reference::NodeRay));
     launch_kernel(place, level);
     if (log_.observed() && overflowed()) return false;
     show_level(place);
@@ -199,30 +228,33 @@ bool Traversal::launch_level(const StagePlace& place) {
 }
 
 void Traversal::launch_kernel(const StagePlace& place, const LevelView& level) {
-    log_.run(level_stage(place), place, level_blocks_.queues, place.level == 0 ? count_ : 0,
-             stream_, [&] {
-                 switch (scene_.width()) {
-                     case 2:
-                         launch_intersect<2>(place, level);
-                         break;
-                     case 4:
-                         launch_intersect<4>(place, level);
-                         break;
-                     case 8:
-                         launch_intersect<8>(place, level);
-                         break;
-                     default:
-                         launch_intersect<16>(place, level);
-                         break;
-                 }
-             });
+    const std::uint32_t blocks = has_pairs() ? level_blocks_.pairs : level_blocks_.queues;
+    log_.run(level_stage(place), place, blocks, place.level == 0 ? count_ : 0, stream_, [&] {
+        switch (scene_.width()) {
+            case 2:
+                launch_intersect<2>(place, level);
+                break;
+            case 4:
+                launch_intersect<4>(place, level);
+                break;
+            case 8:
+                launch_intersect<8>(place, level);
+                break;
+            default:
+                launch_intersect<16>(place, level);
+                break;
+        }
+    });
 }
 
 template <int Width>
 void Traversal::launch_intersect(const StagePlace& place, const LevelView& level) {
     const auto threads = static_cast<std::uint32_t>(parameters_.rays_per_block);
     const bool strided = parameters_.block_order == reference::BlockOrder::strided;
-    if (scene_.is_level_of_subtrees(place.level)) {
+    const bool root_is_subtree = place.level == 0 && scene_.is_level_of_subtrees(0);
+    if (has_pairs() && !root_is_subtree) {
+        launch_pairs<Width>(place, level);
+    } else if (scene_.is_level_of_subtrees(place.level)) {
         launch_subtrees<Width>(
             {scene_.bvh<Width>(), rays_, level, hit_view(), minimum_view()}, level_blocks_.subtrees,
             {count_, threads, strided, coherent_, scene_.root()}, final_hits_, stream_);
@@ -235,6 +267,24 @@ void Traversal::launch_intersect(const StagePlace& place, const LevelView& level
         SCOTTY_LAUNCH(intersect<Width>, level_blocks_.queues, threads, stream_, scene_.bvh<Width>(),
                       rays_, level, hit_view(), minimum_view(), strided);
     }
+}
+
+template <int Width>
+void Traversal::launch_pairs(const StagePlace& place, const LevelView& level) {
+    const auto threads = static_cast<std::uint32_t>(parameters_.rays_per_block);
+    const bool strided = parameters_.block_order == reference::BlockOrder::strided;
+    if (scene_.is_level_of_subtrees(place.level)) {
+        launch_pair_subtrees<Width>({scene_.bvh<Width>(), rays_, level, hit_view(), minimum_view()},
+                                    level_blocks_.pair_subtrees,
+                                    {0, threads, strided, false, scene_.root()}, stream_);
+        return;
+    }
+    const std::uint32_t enough = (count_ + threads - 1) / threads;
+    const std::uint32_t blocks =
+        place.level == 0 ? std::min(enough, level_blocks_.pairs) : level_blocks_.pairs;
+    if (blocks == 0) return;
+    SCOTTY_LAUNCH(intersect_pairs<Width>, blocks, threads, stream_, scene_.bvh<Width>(), rays_,
+                  pair_view(place.level), scene_.root(), hit_view(), minimum_view(), strided);
 }
 
 void Traversal::launch_publish(const StagePlace& place) {
@@ -293,7 +343,7 @@ void Traversal::run_stage(const reference::StageView& stage, DeviceMemory<refere
             launch_merge(place, merged.data());
             break;
         default:
-            load_level(stage);
+            has_pairs() ? load_pairs(stage) : load_level(stage);
             launch_kernel(place, level_view(place.level));
             show_level(place);
             break;
@@ -327,11 +377,35 @@ void Traversal::load_level(const reference::StageView& stage) {
     queue_capacity_ = level.child_offsets.back();
     child_queue_.resize(level.child_offsets.back(), "ray queues");
     child_queue_.fill_bytes(0xff);
+    load_minimum(stage);
+    load_hits(stage);
+}
+
+void Traversal::load_pairs(const reference::StageView& stage) {
+    const reference::StageBuffers in(stage);
+    nodes_of(scene_.level_begins(), stage);  // throws where there is no such level
+    std::uint32_t count = count_;
+    if (stage.level != 0) {
+        const auto pairs = reference::level_pairs(in, count_, scene_.inner_begins()[stage.level],
+                                                  scene_.inner_begins()[stage.level + 1]);
+        pairs_.upload(pairs, "pairs");
+        count = static_cast<std::uint32_t>(pairs.size());
+    }
+    upload_to(node_counts_.data() + stage.level, std::span<const std::uint32_t>(&count, 1),
+              "queue lengths");
+    queue_capacity_ = static_cast<std::size_t>(count) * static_cast<std::size_t>(scene_.width());
+    child_pairs_.resize(queue_capacity_, "pairs");
+    child_pairs_.fill_bytes(0xff);
+    load_minimum(stage);
+    load_hits(stage);
+}
+
+void Traversal::load_minimum(const reference::StageView& stage) {
+    const reference::StageBuffers in(stage);
     if (culls()) minimum_.upload(in.input(buffers::minimum, count_), "minimum distances");
     if (parameters_.early_out == EarlyOut::level) {
         lowered_.upload(in.input(buffers::lowered, count_), "minimum distances");
     }
-    load_hits(stage);
 }
 
 void Traversal::load_hits(const reference::StageView& stage) {
@@ -371,9 +445,17 @@ bool Traversal::grow(const StagePlace& place) {
     // First: what followed an overflow means nothing.
     if (faults.node_overflow != 0) throw overflow_of(faults.node_overflow - 1, place);
     if (faults.queue_needed != 0) {
+        if (has_pairs() && queue_capacity_ >= kMostPairs) {
+            throw reference::Error::bad_input(
+                stage, std::to_string(count_) + " rays need more than " +
+                           std::to_string(kMostPairs) +
+                           " pairs in a level; trace fewer rays at once (--batch-rays, now " +
+                           std::to_string(parameters_.batch_rays) + ")");
+        }
         const std::string sizes = std::to_string(faults.queue_needed) + " entries, capacity " +
                                   std::to_string(queue_capacity_);
         queue_capacity_ = std::max<std::size_t>(faults.queue_needed, 2 * queue_capacity_);
+        if (has_pairs()) queue_capacity_ = std::min(queue_capacity_, kMostPairs);
         log_.retry(stage, "a level's queues need " + sizes);
         return true;
     }
@@ -387,7 +469,26 @@ bool Traversal::grow(const StagePlace& place) {
     return false;
 }
 
+PairView Traversal::pair_view(std::uint32_t level) const {
+    return {node_counts_.data() + level,
+            level == 0 ? nullptr : pairs_.data(),
+            node_counts_.data() + level + 1,
+            child_pairs_.data(),
+            static_cast<std::uint32_t>(std::min(queue_capacity_, kMostPairs)),
+            faults_.data()};
+}
+
 LevelView Traversal::level_view(std::uint32_t level) const {
+    if (has_pairs()) {
+        LevelView view{};
+        view.first_node = scene_.level_begins()[level];
+        view.node_count = scene_.level_nodes(level);
+        view.faults = faults_.data();
+        view.ray_ticket = ray_ticket_.data();
+        view.pairs = pairs_.data();
+        view.pair_count = node_counts_.data() + level;
+        return view;
+    }
     const auto& begins = scene_.level_begins();
     const std::uint32_t first = begins[level];
     const std::uint32_t next = begins[level + 1];

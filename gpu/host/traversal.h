@@ -24,6 +24,8 @@ namespace SCOTTY_DEVICE_NAMESPACE {
 struct LevelBlocks {
     std::uint32_t queues;
     std::uint32_t subtrees;
+    std::uint32_t pairs;
+    std::uint32_t pair_subtrees;
 };
 
 /// Rays in device memory.
@@ -67,6 +69,7 @@ class Traversal {
     void clear(const reference::StagePlace& place);
     void load_scan(const reference::StageView& stage);
     void load_level(const reference::StageView& stage);
+    void load_minimum(const reference::StageView& stage);
     void load_hits(const reference::StageView& stage);
     void launch_scan(const reference::StagePlace& place, const LevelView& level);
     /// False, and the level not shown, where something was too small. Only an observed traversal
@@ -78,6 +81,11 @@ class Traversal {
     void launch_merge(const reference::StagePlace& place, reference::Hit* merged);
     template <int Width>
     void launch_intersect(const reference::StagePlace& place, const LevelView& level);
+    template <int Width>
+    void launch_pairs(const reference::StagePlace& place, const LevelView& level);
+    void load_pairs(const reference::StageView& stage);
+    /// Entries of the level's queues.
+    bool is_empty(std::uint32_t level) const;
     /// Names stage, node and sizes.
     reference::Error overflow_of(std::uint32_t node, const reference::StagePlace& place) const;
     /// True when something grew and the traversal has to run again.
@@ -91,6 +99,13 @@ class Traversal {
 
     std::uint32_t scan_blocks_of(std::uint32_t level) const;
     LevelView level_view(std::uint32_t level) const;
+    PairView pair_view(std::uint32_t level) const;
+    bool has_pairs() const { return parameters_.queues == reference::QueueKind::pairs; }
+    /// Levels that may have entries: of the lowest one, with leaves only, there are no pairs.
+    std::uint32_t levels() const {
+        const std::uint32_t all = scene_.level_count();
+        return has_pairs() && !scene_.is_level_of_subtrees(all - 1) ? all - 1 : all;
+    }
     HitView hit_view() const;
     MinimumView minimum_view() const;
     bool culls() const { return parameters_.early_out != reference::EarlyOut::off; }
@@ -110,13 +125,14 @@ class Traversal {
 
     std::size_t queue_capacity_ = 0;
     std::uint32_t hit_capacity_;
-    DeviceMemory<std::uint32_t> node_counts_;    ///< by node id
+    DeviceMemory<std::uint32_t> node_counts_;    ///< by node id; with pairs by level
     DeviceMemory<std::uint32_t> queue_offsets_;  ///< by node id + level: levels end with a total
     DeviceMemory<std::uint32_t> block_offsets_;  ///< the same
     /// For scan_counts, by level: a word for the ticket, then one a tile.
     DeviceMemory<std::uint64_t> scans_;
     std::vector<std::size_t> scan_begins_;  ///< by level, in scans_
     DeviceMemory<std::uint32_t> queue_, child_queue_;
+    DeviceMemory<reference::NodeRay> pairs_, child_pairs_;
     DeviceMemory<std::uint32_t> hit_counts_;
     DeviceMemory<reference::HitCandidate> candidates_;
     DeviceMemory<std::uint64_t> packed_;

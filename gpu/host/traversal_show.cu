@@ -29,6 +29,9 @@ void Traversal::show(StageKind kind, const StagePlace& place, std::uint32_t bloc
     if (!log_.wants(kind)) return;
     const LevelView level =
         place.level == reference::kNotApplicable ? LevelView{} : level_view(place.level);
+    const auto entries = [&](std::uint32_t of_level) {
+        return download(node_counts_.data() + of_level, 1, "queue lengths").front();
+    };
     HostCopies copies;
     const auto last = [](const std::uint32_t* offsets, std::uint32_t nodes) {
         return download(offsets + nodes, 1, "queue offsets").front();
@@ -48,6 +51,12 @@ void Traversal::show(StageKind kind, const StagePlace& place, std::uint32_t bloc
         if (is(buffers::hits)) {
             return copies.view(buffers::hits, candidates_.data(),
                                std::size_t{count_} * hit_capacity_, count_);
+        }
+        if (is(buffers::pairs)) {
+            return copies.view(buffers::pairs, pairs_.data(), entries(place.level));
+        }
+        if (is(buffers::child_pairs)) {
+            return copies.view(buffers::child_pairs, child_pairs_.data(), entries(place.level + 1));
         }
         if (is(buffers::child_counts)) {
             return copies.view(buffers::child_counts, level.child_counts, level.child_node_count);
@@ -75,7 +84,10 @@ void Traversal::show(StageKind kind, const StagePlace& place, std::uint32_t bloc
         }
         return copies.view(buffers::queue_offsets, std::vector<std::uint32_t>{0, count_});
     };
-    if (reference::is_level_kernel(kind)) blocks = last(level.block_offsets, level.node_count);
+    if (reference::is_level_kernel(kind)) {
+        blocks = has_pairs() ? (entries(place.level) + threads - 1) / threads
+                             : last(level.block_offsets, level.node_count);
+    }
     log_.show(parameters_, kind, place, blocks, threads, view_of, alone_);
 }
 

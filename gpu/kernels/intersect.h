@@ -218,10 +218,13 @@ struct BlockGrid {
     std::uint32_t launched;
 };
 
-SCOTTY_DEVICE BlockGrid block_grid(const LevelView& level, bool strided) {
-    const std::uint32_t total = level.block_offsets[level.node_count];
+SCOTTY_DEVICE BlockGrid grid_of(std::uint32_t total, bool strided) {
     const std::uint32_t side = strided ? side_of_grid(total) : 0;
     return {total, side, strided ? side * side : total};
+}
+
+SCOTTY_DEVICE BlockGrid block_grid(const LevelView& level, bool strided) {
+    return grid_of(level.block_offsets[level.node_count], strided);
 }
 
 /// Logical index of a launched block; for idle ones it is at least the total.

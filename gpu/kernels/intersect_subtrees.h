@@ -98,16 +98,17 @@ SCOTTY_DEVICE void end_warp(RayTicket* ticket) {
     atomic_add(&ticket->warps_ended, 0u - warps);
 }
 
-/// Runs until there are no more rays.
-template <bool Any, int Width>
+/// Runs until there are no more rays. `Pairs`: they are those of a level's pairs, as many as there
+/// are.
+template <bool Any, bool Pairs = false, int Width>
 SCOTTY_COLLECTIVE(void)
 trace_subtrees(const BvhView<Width>& bvh, const reference::Ray* rays, const LevelView& level,
                const HitView& hits, const MinimumView& minimum, const SubtreeWork& work,
                const FinalHits& final_hits) {
-    const bool first = level.queue == nullptr;
+    const bool first = !Pairs && level.queue == nullptr;
     const bool is_final = final_hits.merged != nullptr || final_hits.radiance != nullptr;
-    const BlockGrid grid = first ? BlockGrid{} : block_grid(level, work.strided);
-    const std::uint32_t enough_idle = first ? kIdleLanes : kWarpSize;
+    const BlockGrid grid = first || Pairs ? BlockGrid{} : block_grid(level, work.strided);
+    const std::uint32_t enough_idle = first || Pairs ? kIdleLanes : kWarpSize;
     SubtreeStack stack;
     SubtreeRay<Width> walk;
     walk.at = reference::kNone;
@@ -122,14 +123,18 @@ trace_subtrees(const BvhView<Width>& bvh, const reference::Ray* rays, const Leve
             }
             const TakenRays taken = SCOTTY_AWAIT(take_rays(level, grid, work, idle));
             more = taken.more;
-            if (taken.entry < (first ? work.ray_count : level.node_counts[taken.node])) {
-                ray_id = first ? taken.entry
-                               : level.queue[level.queue_offsets[taken.node] + taken.entry];
+            if (taken.entry < (first || Pairs ? work.ray_count : level.node_counts[taken.node])) {
+                reference::NodeRay pair{0, taken.entry};
+                if (Pairs) {
+                    pair = load_record(level.pairs + taken.entry);
+                } else if (!first) {
+                    pair = {bvh.node_refs[level.first_node + taken.node],
+                            level.queue[level.queue_offsets[taken.node] + taken.entry]};
+                }
+                ray_id = pair.ray;
                 const reference::Ray ray = load_record(rays + ray_id);
                 if (first && !is_final) begin_ray(ray_id, ray, hits, minimum);
-                const SubtreeRoot root =
-                    first ? work.root
-                          : subtree_root(bvh, bvh.node_refs[level.first_node + taken.node]);
+                const SubtreeRoot root = first ? work.root : subtree_root(bvh, pair.node);
                 begin_subtree(walk, bvh, root, ray, limit_of(ray_id, ray, first, minimum));
             }
         } else if (idle == kWholeWarp) {

@@ -58,6 +58,16 @@ struct RayTicket {
     std::uint32_t warps_ended;
 };
 
+/// The queue of pairs of one level and of the next.
+struct PairView {
+    const std::uint32_t* count;       ///< entries of this level: at the root, all rays
+    const reference::NodeRay* pairs;  ///< null at the root, where entry p is ray p
+    std::uint32_t* child_count;
+    reference::NodeRay* child_pairs;
+    std::uint32_t capacity;  ///< entries that child_pairs has room for
+    FaultView* faults;
+};
+
 /// One level and the next. Node indices are positions within their level.
 struct LevelView {
     std::uint32_t first_node;
@@ -78,6 +88,9 @@ struct LevelView {
     std::uint64_t* scan_tiles;
     FaultView* faults;
     RayTicket* ray_ticket = nullptr;  ///< used by intersect_subtrees, which leaves it zero
+    /// With a queue of pairs, below the root, in place of the queues.
+    const reference::NodeRay* pairs = nullptr;
+    const std::uint32_t* pair_count = nullptr;
 };
 
 }  // namespace SCOTTY_DEVICE_NAMESPACE

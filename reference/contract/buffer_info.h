@@ -27,9 +27,9 @@ constexpr ElementType element_type_of() {
     }
 }
 
-/// What one row of a buffer stands for. Nodes are those of the stage's level, child nodes those of
-/// the level below.
-enum class Row { ray, pixel, node, child_node, none };
+/// What one row of a buffer stands for. Nodes and pairs are those of the stage's level, child nodes
+/// and child pairs those of the level below.
+enum class Row { ray, pixel, node, child_node, none, pair, child_pair };
 
 /// What the numbers of a buffer are to the queues.
 enum class Content { values, lengths, offsets };
@@ -47,9 +47,10 @@ struct Field {
 
 /// What about a buffer's bytes the contract fixes.
 enum class BufferOrder {
-    ordered,  ///< every byte
-    queue,    ///< per node, the set of ids in the used part of its region
-    hit_list  ///< per ray, the set of its first min(count, capacity) hits
+    ordered,   ///< every byte
+    queue,     ///< per node, the set of ids in the used part of its region
+    hit_list,  ///< per ray, the set of its first min(count, capacity) hits
+    set        ///< the set of its rows
 };
 
 /// What fast arithmetic may change in a buffer.
@@ -122,6 +123,8 @@ inline constexpr std::array kHit{Field{"t", true, false, kInfinityBits},
                                  Field{"v", true}};
 inline constexpr std::array kHitCandidate{Field{"t", true, false, kInfinityBits},
                                           Field{"primitive", false, false, kNone}};
+inline constexpr std::array kNodeRay{Field{"node", false, false, kNone},
+                                     Field{"ray", false, false, kNone}};
 /// Little endian: the low word comes first.
 inline constexpr std::array kPackedHit{Field{"primitive", false, false, kNone},
                                        Field{"t", true, false, 0xffffffffu}};
@@ -150,6 +153,9 @@ constexpr BufferTraits queue_of(const BufferInfo& lengths, const BufferInfo& off
             .offsets = &offsets,
             .written_as = written_as,
             .depends_on_timing = true};
+}
+constexpr BufferTraits set_of_pairs(const BufferInfo* written_as = nullptr) {
+    return {.order = BufferOrder::set, .written_as = written_as, .depends_on_timing = true};
 }
 constexpr BufferTraits hit_list_of(const BufferInfo& lengths) {
     return {.order = BufferOrder::hit_list, .lengths = &lengths, .depends_on_timing = true};

@@ -57,6 +57,12 @@ inline constexpr Buffer<std::uint32_t> queue{
 inline constexpr Buffer<std::uint32_t> block_offsets{
     "block_offsets", Row::node, kNumber, kForks, "first block by node", offsets_of_queues()};
 
+// With queues of pairs the same: what a level writes for the next one, and what it reads.
+inline constexpr Buffer<NodeRay> child_pairs{"child_pairs", Row::child_pair,   kNodeRay,
+                                             kForks,        "inner node, ray", set_of_pairs()};
+inline constexpr Buffer<NodeRay> pairs{"pairs", Row::pair,         kNodeRay,
+                                       kForks,  "inner node, ray", set_of_pairs(&child_pairs)};
+
 // What a traversal finds.
 inline constexpr Buffer<std::uint32_t> hit_counts{
     "hit_counts", Row::ray, kNumber, kForks, "hits gathered by ray", lengths_of_queues()};
@@ -84,16 +90,17 @@ inline constexpr Buffer<Vec3> filtered{"filtered", Row::pixel, kColour, kImages,
 
 }  // namespace buffers
 
-inline constexpr std::array<const BufferInfo*, 27> kBuffers{
+inline constexpr std::array<const BufferInfo*, 29> kBuffers{
     &buffers::rays,          &buffers::shadow_rays,   &buffers::throughput,
     &buffers::radiance,      &buffers::potential,     &buffers::pixel,
     &buffers::sample,        &buffers::depth,         &buffers::flags,
     &buffers::child_counts,  &buffers::child_offsets, &buffers::child_queue,
     &buffers::node_counts,   &buffers::queue_offsets, &buffers::queue,
-    &buffers::block_offsets, &buffers::hit_counts,    &buffers::hits,
-    &buffers::packed_hits,   &buffers::lowered,       &buffers::minimum,
-    &buffers::merged,        &buffers::path_hits,     &buffers::shadow_hits,
-    &buffers::image,         &buffers::variance,      &buffers::filtered};
+    &buffers::block_offsets, &buffers::child_pairs,   &buffers::pairs,
+    &buffers::hit_counts,    &buffers::hits,          &buffers::packed_hits,
+    &buffers::lowered,       &buffers::minimum,       &buffers::merged,
+    &buffers::path_hits,     &buffers::shadow_hits,   &buffers::image,
+    &buffers::variance,      &buffers::filtered};
 
 /// Null where there is no buffer of that name.
 constexpr const BufferInfo* find_buffer(std::string_view name) {
@@ -124,8 +131,8 @@ constexpr bool is_sound(const BufferInfo& info) {
     const bool queue = info.order == BufferOrder::queue;
     return in_table(&info) && !info.meaning.empty() && info.row != Row::none && judged &&
            info.fields.size() * sizeof(std::uint32_t) == info.element_bytes &&
-           (info.order == BufferOrder::ordered ? info.lengths == nullptr
-                                               : says(info.lengths, Content::lengths)) &&
+           (queue || info.order == BufferOrder::hit_list ? says(info.lengths, Content::lengths)
+                                                         : info.lengths == nullptr) &&
            (queue ? says(info.offsets, Content::offsets) : info.offsets == nullptr) &&
            (info.written_as == nullptr ||
             (in_table(info.written_as) && info.written_as->type == info.type &&

@@ -46,6 +46,7 @@ struct ParameterInfo {
 namespace detail {
 
 inline constexpr std::array<std::uint64_t, 4> kWidths{2, 4, 8, 16};
+inline constexpr std::array kQueueKindWords{"nodes", "pairs"};
 inline constexpr std::array kEarlyOutWords{"off", "level", "immediate"};
 inline constexpr std::array kBlockOrderWords{"linear", "strided"};
 inline constexpr std::array kHitModeWords{"buffer", "packed"};
@@ -105,6 +106,9 @@ inline constexpr std::array kParameters = [] {
             "queue_levels", "--queue-levels", "queue levels",
             "levels that have queues; below them each ray goes on depth first. 0: all have",
             G::tree, {.high = 64, .zero_is_all = true, .added_later = true}),
+        row<&P::queues>("queues", "--queues", "queues",
+                        "a queue per node, or per level one of (node, ray) pairs", G::pipeline,
+                        {.words = detail::kQueueKindWords, .added_later = true}),
         row<&P::early_out>("early_out", "--early-out", "early-out",
                            "stop pushing rays on behind their nearest hit", G::pipeline,
                            {.words = detail::kEarlyOutWords}),

@@ -112,6 +112,7 @@ void validate(const PipelineParameters& p) {
     }
 }
 
+const char* to_string(QueueKind value) { return word_of(parameter("queues"), value); }
 const char* to_string(EarlyOut value) { return word_of(parameter("early_out"), value); }
 const char* to_string(BlockOrder value) { return word_of(parameter("block_order"), value); }
 const char* to_string(HitMode value) { return word_of(parameter("hit_mode"), value); }
@@ -119,6 +120,9 @@ const char* to_string(ShadowQuery value) { return word_of(parameter("shadow_quer
 const char* to_string(Filter value) { return word_of(parameter("filter"), value); }
 const char* to_string(Arithmetic value) { return word_of(parameter("arithmetic"), value); }
 
+QueueKind parse_queues(const std::string& word) {
+    return static_cast<QueueKind>(value_of(parameter("queues"), word));
+}
 EarlyOut parse_early_out(const std::string& word) {
     return static_cast<EarlyOut>(value_of(parameter("early_out"), word));
 }

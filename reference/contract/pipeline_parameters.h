@@ -19,6 +19,13 @@ enum class EarlyOut {
 /// neighbouring blocks over different nodes ("block striding").
 enum class BlockOrder { linear, strided };
 
+/// Where the rays of a level wait.
+enum class QueueKind {
+    nodes,  ///< the 2018 paper's: each node has a queue of ray ids
+    pairs   ///< each level below the root has one queue, of pairs of an inner node and a ray; the
+            ///< launch that finds a leaf tests it
+};
+
 /// How hits of concurrent leaves come together.
 enum class HitMode {
     buffer,  ///< the 2018 paper's multi-intersection buffer, one atomicAdd a hit, merged afterwards
@@ -55,6 +62,7 @@ struct PipelineParameters {
     int max_leaf_size = 4;    ///< triangles per leaf, 1..1024
     /// Levels of the BVH that have queues, 1..64; below them each ray goes on depth first. 0: all.
     std::uint32_t queue_levels = 0;
+    QueueKind queues = QueueKind::nodes;
     EarlyOut early_out = EarlyOut::level;
     BlockOrder block_order = BlockOrder::linear;
     HitMode hit_mode = HitMode::buffer;
@@ -82,6 +90,7 @@ inline std::uint32_t samples_of_pass(const PipelineParameters& p) {
     return p.samples_per_pass == 0 || p.samples_per_pass > p.spp ? p.spp : p.samples_per_pass;
 }
 
+const char* to_string(QueueKind value);
 const char* to_string(EarlyOut value);
 const char* to_string(BlockOrder value);
 const char* to_string(HitMode value);
@@ -89,6 +98,7 @@ const char* to_string(ShadowQuery value);
 const char* to_string(Filter value);
 const char* to_string(Arithmetic value);
 /// Inverse of to_string; throws bad_input naming the valid words.
+QueueKind parse_queues(const std::string& word);
 EarlyOut parse_early_out(const std::string& word);
 BlockOrder parse_block_order(const std::string& word);
 HitMode parse_hit_mode(const std::string& word);

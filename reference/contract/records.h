@@ -57,6 +57,12 @@ struct HitCandidate {
 static_assert(sizeof(HitCandidate) == 8, "one 8-byte store");
 
 /// Inner node of an N-way BVH. Missing children: kNone with an inverted, infinite box.
+/// An entry of a level's queue of pairs: the ray goes on in the node's children.
+struct alignas(8) NodeRay {
+    std::uint32_t node;  ///< index of an inner node, as in WideBvh::inner
+    std::uint32_t ray;
+};
+
 template <int Width>
 struct alignas(16) WideNode {
     float low_x[Width], low_y[Width], low_z[Width];

@@ -124,6 +124,23 @@ LevelInput level_input(const StageBuffers& buffers, const LevelNodes& nodes,
     return in;
 }
 
+std::span<const NodeRay> level_pairs(const StageBuffers& buffers, std::size_t rays,
+                                     std::uint32_t first_inner, std::uint32_t end_inner) {
+    const std::span<const NodeRay> pairs = buffers.input(reference::buffers::pairs);
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        const NodeRay& pair = pairs[i];
+        if (pair.ray >= rays) {
+            buffers.fail("pairs",
+                         fmt::format("pair {} has ray {}, there are {}", i, pair.ray, rays));
+        }
+        if (pair.node < first_inner || pair.node >= end_inner) {
+            buffers.fail("pairs", fmt::format("pair {} has inner node {}, the level has {} to {}",
+                                              i, pair.node, first_inner, end_inner));
+        }
+    }
+    return pairs;
+}
+
 GatheredHits gathered_hits(const StageBuffers& buffers, const PipelineParameters& parameters,
                            std::size_t rays) {
     GatheredHits hits;

@@ -94,6 +94,11 @@ struct LevelInput {
 LevelInput level_input(const StageBuffers& buffers, const LevelNodes& nodes,
                        const PipelineParameters& parameters, const StageView& stage);
 
+/// The pairs that a level's kernel reads: those of a stage below the root. Throws bad_input where
+/// one is no ray's, or of an inner node outside of [first_inner, end_inner), which are the level's.
+std::span<const NodeRay> level_pairs(const StageBuffers& buffers, std::size_t rays,
+                                     std::uint32_t first_inner, std::uint32_t end_inner);
+
 /// Hits gathered so far; `packed` or the other two, after the hit mode.
 struct GatheredHits {
     std::span<const std::uint32_t> counts;

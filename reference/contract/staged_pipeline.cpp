@@ -146,6 +146,9 @@ void StagedPipeline::launch_alone(const StageView& stage) {
             launch_filter();
             break;
         default:
+            if (stage.kind == StageKind::scan_counts && parameters_.queues == QueueKind::pairs) {
+                throw Error::bad_input(stage.name, "with queues of pairs nothing is scanned");
+            }
             run_traversal_stage(stage);
             break;
     }

@@ -35,12 +35,14 @@ inline constexpr std::size_t kStageKinds = static_cast<std::size_t>(StageKind::f
 /// When a stage has a buffer.
 enum class When {
     always,
-    below_root,  ///< at every level but the first
-    culling,     ///< under an early-out
-    level,       ///< under early-out `level`
-    immediate,   ///< under early-out `immediate`
-    hit_lists,   ///< with hit mode `buffer`
-    packed_hits  ///< with hit mode `packed`
+    below_root,   ///< at every level but the first
+    culling,      ///< under an early-out
+    level,        ///< under early-out `level`
+    immediate,    ///< under early-out `immediate`
+    hit_lists,    ///< with hit mode `buffer`
+    packed_hits,  ///< with hit mode `packed`
+    nodes,        ///< with a queue per node
+    pairs         ///< with queues of pairs
 };
 /// Whether that is so for a launch at that level.
 constexpr bool applies(When when, const PipelineParameters& p, std::uint32_t level) {
@@ -59,6 +61,10 @@ constexpr bool applies(When when, const PipelineParameters& p, std::uint32_t lev
             return p.hit_mode == HitMode::buffer;
         case When::packed_hits:
             return p.hit_mode == HitMode::packed;
+        case When::nodes:
+            return p.queues == QueueKind::nodes;
+        case When::pairs:
+            return p.queues == QueueKind::pairs;
     }
     return true;
 }
@@ -161,13 +167,14 @@ inline constexpr std::array<StageInfo, kStageKinds> kStages = [] {
          .label = "traversal",
          .of_traversal = true,
          .inputs = {rays,
-                    node_counts,
-                    queue_offsets,
-                    block_offsets,
-                    child_offsets,
+                    {node_counts, When::nodes},
+                    {queue_offsets, When::nodes},
+                    {block_offsets, When::nodes},
+                    {child_offsets, When::nodes},
                     {minimum, When::culling}},
-         .outputs = {child_counts,
-                     child_queue,
+         .outputs = {{child_counts, When::nodes},
+                     {child_queue, When::nodes},
+                     {child_pairs, When::pairs},
                      {hit_counts, When::hit_lists},
                      {hits, When::hit_lists},
                      {packed_hits, When::packed_hits}},
@@ -182,14 +189,16 @@ inline constexpr std::array<StageInfo, kStageKinds> kStages = [] {
          .label = "traversal",
          .of_traversal = true,
          .inputs = {rays,
-                    node_counts,
-                    queue_offsets,
-                    block_offsets,
-                    child_offsets,
-                    queue,
+                    {node_counts, When::nodes},
+                    {queue_offsets, When::nodes},
+                    {block_offsets, When::nodes},
+                    {child_offsets, When::nodes},
+                    {queue, When::nodes},
+                    {pairs, When::pairs},
                     {minimum, When::culling}},
-         .outputs = {child_counts,
-                     child_queue,
+         .outputs = {{child_counts, When::nodes},
+                     {child_queue, When::nodes},
+                     {child_pairs, When::pairs},
                      {hit_counts, When::hit_lists},
                      {hits, When::hit_lists},
                      {packed_hits, When::packed_hits}},

@@ -79,6 +79,18 @@ void cut_levels(WideBvh& bvh, std::uint32_t queue_levels) {
     if (kept < levels) bvh.level_begins.resize(kept + 1);
 }
 
+std::vector<std::uint32_t> inner_begins(const WideBvh& bvh) {
+    std::vector<std::uint32_t> begins{0};
+    for (std::uint32_t level = 0; level < bvh.level_count(); ++level) {
+        const auto nodes = bvh.node_refs.begin();
+        begins.push_back(begins.back() +
+                         static_cast<std::uint32_t>(std::count_if(
+                             nodes + bvh.level_begins[level], nodes + bvh.level_begins[level + 1],
+                             [](std::uint32_t ref) { return !is_leaf(ref); })));
+    }
+    return begins;
+}
+
 std::uint64_t fingerprint(const WideBvh& bvh) {
     BvhHasher hasher;
     hasher.add(&bvh.width, sizeof bvh.width);

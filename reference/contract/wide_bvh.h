@@ -87,6 +87,10 @@ WideBvh build_wide_bvh(const Scene& scene, const BvhParameters& parameters);
 /// it takes for a subtree to fit that traversal's stack; 0 keeps all.
 void cut_levels(WideBvh& bvh, std::uint32_t queue_levels);
 
+/// By level: its first inner node, as an index into WideBvh::inner, whose nodes are in the order of
+/// their ids; last, the end of the last level's.
+std::vector<std::uint32_t> inner_begins(const WideBvh& bvh);
+
 /// Hash of structure and boxes: equal on every run and for every thread count.
 std::uint64_t fingerprint(const WideBvh& bvh);
 

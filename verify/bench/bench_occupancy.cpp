@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "emulation/host/pipeline.h"
+#include "reference/base/error.h"
 #include "verify/bench/occupancy_counter.h"
 
 namespace scotty::verify {
@@ -57,6 +58,10 @@ std::uint32_t TraversalCounts::fill_quantile(double part) const {
 Occupancy count_occupancy(const reference::Scene& scene, const reference::WideBvh& bvh,
                           const PipelineParameters& parameters, std::size_t threads,
                           const std::function<void(const std::string&)>& progress) {
+    if (parameters.queues == reference::QueueKind::pairs) {
+        throw reference::Error::bad_input(
+            "--queues", "occupancy counts the blocks of each node's queue; use --queues nodes");
+    }
     const auto render = [&](EarlyOut early_out) {
         if (progress) progress(fmt::format("counting, early-out {}", to_string(early_out)));
         PipelineParameters p = parameters;

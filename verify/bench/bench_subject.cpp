@@ -21,12 +21,13 @@ std::string heading(const BenchSubject& subject) {
     const auto& p = subject.parameters;
     return fmt::format(
         "{} ({} triangles), {}x{} pixels, {} spp, {} bounces, {} light samples\n"
-        "width {}, {} rays per block, queue levels {}, early-out {}, {}, {}, shadow {}; {} "
+        "width {}, {} rays per block, queue levels {}, {}early-out {}, {}, {}, shadow {}; {} "
         "threads, "
         "median of {} after {} to warm up\n\n",
         subject.scene, subject.triangles, p.image_width, p.image_height, p.spp, p.bounces,
         p.light_samples, p.width, p.rays_per_block,
-        p.queue_levels == 0 ? "all" : std::to_string(p.queue_levels), to_string(p.early_out),
+        p.queue_levels == 0 ? "all" : std::to_string(p.queue_levels),
+        p.queues == reference::QueueKind::pairs ? "queues of pairs, " : "", to_string(p.early_out),
         to_string(p.hit_mode), to_string(p.block_order), to_string(p.shadow_query), subject.threads,
         subject.repeats, subject.warm_ups);
 }

@@ -86,6 +86,10 @@ Regions regions_of(const StageView& stage, const BufferView& buffer, bool output
                                  buffer.bytes / sizeof(std::uint32_t));
         case reference::BufferOrder::hit_list:
             return hit_regions(words(stage, info.lengths->name, output), buffer);
+        case reference::BufferOrder::set: {
+            const std::size_t rows = buffer.bytes / info.element_bytes;
+            return {{{0, rows, rows, rows}}, info.element_bytes};
+        }
     }
     return {};
 }
@@ -95,6 +99,7 @@ std::vector<std::byte> without_unused(const BufferView& buffer, const Regions& r
     if (regions.regions.empty()) return {data, data + buffer.bytes};
     constexpr std::uint32_t kUnusedId = reference::kNone;
     constexpr reference::HitCandidate kUnusedHit{reference::kInfinity, reference::kNone};
+    // A set of pairs is in use as a whole.
     const void* unused = &kUnusedId;
     if (regions.element_bytes != sizeof kUnusedId) unused = &kUnusedHit;
 

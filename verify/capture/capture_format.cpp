@@ -41,7 +41,8 @@ constexpr std::array<StageKind, reference::kStageKinds> kKinds = [] {
     for (std::size_t i = 0; i < kinds.size(); ++i) kinds[i] = reference::kStages[i].kind;
     return kinds;
 }();
-constexpr std::array kOrders{BufferOrder::ordered, BufferOrder::queue, BufferOrder::hit_list};
+constexpr std::array kOrders{BufferOrder::ordered, BufferOrder::queue, BufferOrder::hit_list,
+                             BufferOrder::set};
 
 std::uint32_t number_member(const std::string& where, const json& object, const char* name) {
     return static_cast<std::uint32_t>(unsigned_member(where, object, name, 0xffffffffu));
@@ -142,6 +143,8 @@ const char* to_string(BufferOrder order) {
             return "queue";
         case BufferOrder::hit_list:
             return "hit_list";
+        case BufferOrder::set:
+            return "set";
     }
     return "(invalid)";
 }

@@ -75,6 +75,10 @@ int measure(AnalyzeOptions& options, const CLI::App& command) {
     settings.keep_size = command.count("--size") != 0 || command.count("--spp") != 0;
     const Backend backend = backend_named(settings.render.backend, settings.render.threads);
     expect_arithmetic(backend, settings.render.parameters);
+    if (settings.render.parameters.queues == reference::QueueKind::pairs) {
+        throw reference::Error::bad_input(
+            "--queues", "the 2018 paper's analyses are of queues of nodes, not of pairs");
+    }
     const reference::Scene scene = load_scene_argument(options.scene);
     for (const std::string& warning : scene.warnings) spdlog::warn("{}", warning);
     const StopSignals signals;

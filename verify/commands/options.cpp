@@ -123,8 +123,9 @@ void add_pipeline_options(CLI::App& command, PipelineParameters& p,
     using reference::parameter;
     for (const auto* info :
          {&parameter("width"), &parameter("rays_per_block"), &parameter("queue_levels"),
-          &parameter("early_out"), &parameter("hit_mode"), &parameter("block_order"),
-          &parameter("shadow_query"), &parameter("hit_capacity"), &parameter("batch_rays")}) {
+          &parameter("queues"), &parameter("early_out"), &parameter("hit_mode"),
+          &parameter("block_order"), &parameter("shadow_query"), &parameter("hit_capacity"),
+          &parameter("batch_rays")}) {
         const bool depends =
             std::find(of_backend.begin(), of_backend.end(), info->option) != of_backend.end();
         add_parameter(command, p, *info, kPipeline, depends ? "the back end's fastest" : "");
@@ -176,6 +177,8 @@ void add_filter_options(CLI::App& command, ConfigurationFilter& filter) {
              "threads a block", "32..1024");
     add_list(command, "--queue-levels", filter.queue_levels, count("--queue-levels"),
              "levels that have queues, 0: all", "0,2,...");
+    add_list(command, "--queues", filter.queues, reference::parse_queues, "what rays wait in",
+             "nodes,pairs");
     add_list(command, "--early-out", filter.early_out, reference::parse_early_out, "culling policy",
              "off,level,immediate");
     add_list(command, "--hit-mode", filter.hit_mode, reference::parse_hit_mode,

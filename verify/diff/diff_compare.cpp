@@ -137,6 +137,28 @@ void describe_queue(Comparison& out, const SetDifference& sets) {
     }
 }
 
+std::string pair_text(std::uint64_t pair) {
+    return fmt::format("inner node {}, ray {}", pair >> 32, static_cast<std::uint32_t>(pair));
+}
+
+void describe_pairs(Comparison& out, const SetDifference& sets) {
+    const bool lost = !sets.only_a.empty();
+    const bool extra = !sets.only_b.empty();
+    const std::uint64_t first = lost ? sets.only_a.front() : sets.only_b.front();
+    out.entry_ray = static_cast<std::uint32_t>(first);
+    out.entry_inner = static_cast<std::uint32_t>(first >> 32);
+    out.a = lost ? pair_text(sets.only_a.front()) : "no such pair";
+    out.b = extra ? pair_text(sets.only_b.front()) : "no such pair";
+    const bool twice = lost ? sets.duplicate_in_a(first) : sets.duplicate_in_b(sets.only_b.front());
+    if (lost) {
+        out.sentence = twice ? "the pair is in the queue twice, in A"
+                             : "the pair is missing from the level's queue";
+    } else {
+        out.sentence = twice ? "the pair is in the queue twice"
+                             : "the pair should not be in the level's queue";
+    }
+}
+
 std::string hit_text(std::uint64_t hit) {
     return fmt::format("primitive {} at t {}", static_cast<std::uint32_t>(hit),
                        value_text(static_cast<std::uint32_t>(hit >> 32), true));
@@ -205,6 +227,7 @@ Comparison compare_queues(const BufferPair& pair) { return compare_regions(pair,
 Comparison compare_hit_lists(const BufferPair& pair) {
     return compare_regions(pair, describe_hits);
 }
+Comparison compare_pairs(const BufferPair& pair) { return compare_regions(pair, describe_pairs); }
 
 Comparison compare_occlusion(const BufferPair& pair) {
     if (pair.a.bytes != pair.b.bytes) return different_shape(pair);
@@ -234,6 +257,8 @@ Comparison compare(const BufferPair& pair) {
             return compare_queues(pair);
         case BufferOrder::hit_list:
             return compare_hit_lists(pair);
+        case BufferOrder::set:
+            return compare_pairs(pair);
         case BufferOrder::ordered:
             break;
     }

@@ -38,7 +38,9 @@ struct Comparison {
     std::uint64_t different = 0;
     // The first difference, if there is one.
     std::size_t row = 0;
-    std::uint32_t entry_ray = reference::kNotApplicable;        ///< queue: the ray that it is about
+    std::uint32_t entry_ray =
+        reference::kNotApplicable;  ///< queue, pairs: the ray that it is about
+    std::uint32_t entry_inner = reference::kNotApplicable;      ///< pairs: its inner node
     std::uint32_t entry_primitive = reference::kNotApplicable;  ///< hits: the hit's primitive
     std::string field, a, b, sentence;
     std::optional<std::uint64_t> ulps;
@@ -48,6 +50,7 @@ struct Comparison {
 Comparison compare_ordered(const BufferPair& pair);
 Comparison compare_queues(const BufferPair& pair);
 Comparison compare_hit_lists(const BufferPair& pair);
+Comparison compare_pairs(const BufferPair& pair);
 /// Compares only whether something is hit.
 Comparison compare_occlusion(const BufferPair& pair);
 /// Calls the one of the above that the buffer's order needs.
@@ -72,6 +75,9 @@ class Places {
     std::uint32_t node_id(std::uint32_t level, std::size_t position) const;
     /// Fills in the logical block and thread that take a ray of a node of the stage's level.
     void fill_thread(Divergence& out, const BufferPair& pair, std::uint32_t node);
+    /// The same for a ray of an inner node, with queues of pairs.
+    void fill_pair_thread(Divergence& out, const BufferPair& pair, std::uint32_t inner);
+    std::uint32_t node_of_inner(std::uint32_t inner) const;
     std::uint32_t last_queue_of(std::uint32_t primitive);
 
     const Capture& capture_;

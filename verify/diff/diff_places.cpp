@@ -41,6 +41,13 @@ std::uint32_t Places::node_id(std::uint32_t level, std::size_t position) const {
     return std::min(bvh_->level_begins[level] + offset, bvh_->node_count());
 }
 
+std::uint32_t Places::node_of_inner(std::uint32_t inner) const {
+    if (bvh_ == nullptr) return kNotApplicable;
+    const auto& refs = bvh_->node_refs;
+    const auto found = std::find(refs.begin(), refs.end(), inner);
+    return found == refs.end() ? kNotApplicable : static_cast<std::uint32_t>(found - refs.begin());
+}
+
 std::uint32_t Places::last_queue_of(std::uint32_t primitive) {
     if (bvh_ == nullptr) return kNotApplicable;
     if (last_queues_.empty()) last_queues_ = reference::last_queues(*bvh_);
@@ -52,12 +59,33 @@ void Places::fill_thread(Divergence& out, const BufferPair& pair, std::uint32_t 
     if (bvh_ == nullptr || pair.b_stage.level >= bvh_->level_count()) return;
     const std::uint32_t first = bvh_->level_begins[pair.b_stage.level];
     if (node < first) return;
+    if (capture_.header().parameters.queues == reference::QueueKind::pairs) {
+        // Leaves are tested in the launch that finds them.
+        const bool leaf = reference::is_leaf(bvh_->node_refs[node]);
+        return fill_pair_thread(out, pair, bvh_->node_refs[leaf ? bvh_->parents[node] : node]);
+    }
     for (const StageView* stage : {&pair.b_stage, &pair.a_stage}) {
         const auto position = position_in_queue(*stage, node - first, out.ray);
         const auto offsets = stage->get(buffers::block_offsets);
         if (!position || node - first >= offsets.size() || stage->threads == 0) continue;
         out.block = offsets[node - first] + *position / stage->threads;
         out.thread = *position % stage->threads;
+        return;
+    }
+}
+
+void Places::fill_pair_thread(Divergence& out, const BufferPair& pair, std::uint32_t inner) {
+    for (const StageView* stage : {&pair.b_stage, &pair.a_stage}) {
+        const auto pairs = stage->get(buffers::pairs);
+        const auto found =
+            std::find_if(pairs.begin(), pairs.end(), [&](const reference::NodeRay& each) {
+                return each.node == inner && each.ray == out.ray;
+            });
+        const bool root = stage->level == 0;
+        if ((!root && found == pairs.end()) || stage->threads == 0) continue;
+        const auto entry = root ? out.ray : static_cast<std::uint32_t>(found - pairs.begin());
+        out.block = entry / stage->threads;
+        out.thread = entry % stage->threads;
         return;
     }
 }
@@ -84,6 +112,11 @@ void Places::fill(Divergence& out, const BufferPair& pair, const Comparison& fir
             out.pixel_y = row / width;
             break;
         }
+        case Row::pair:
+        case Row::child_pair:
+            out.node = node_of_inner(first.entry_inner);
+            out.ray = first.entry_ray;
+            break;
         case Row::none:
             break;
     }
@@ -94,7 +127,8 @@ void Places::fill(Divergence& out, const BufferPair& pair, const Comparison& fir
     if (is_level_kernel(stage.kind)) {
         if (out.ray != kNotApplicable && out.node != kNotApplicable && bvh_ != nullptr &&
             out.node < bvh_->node_count()) {
-            const bool child = reference::buffer_info(pair.a.name).row == Row::child_node;
+            const Row kind = reference::buffer_info(pair.a.name).row;
+            const bool child = kind == Row::child_node || kind == Row::child_pair;
             fill_thread(out, pair, child ? bvh_->parents[out.node] : out.node);
         } else if (first.entry_primitive != kNotApplicable) {
             out.node = last_queue_of(first.entry_primitive);

@@ -123,7 +123,9 @@ class StageSpoiler {
             if (stage_->level == 0 && info->name == buffers::queue_offsets.name) continue;
             spoil_shape(*info);
         }
-        if (reference::is_level_kernel(stage_->kind)) spoil_queues();
+        if (reference::is_level_kernel(stage_->kind)) {
+            parameters_.queues == reference::QueueKind::pairs ? spoil_pairs() : spoil_queues();
+        }
         if (stage_->kind == StageKind::merge_intersections) spoil_hits();
         spoil_path_hits();
     }
@@ -193,8 +195,9 @@ class StageSpoiler {
     }
     /// Buffers that may have any number of elements.
     bool counts_itself(const reference::BufferInfo& info) const {
-        const bool has_partner =
-            stage_->kind != StageKind::publish_minimum && info.name != buffers::queue.name;
+        const bool has_partner = stage_->kind != StageKind::publish_minimum &&
+                                 info.name != buffers::queue.name &&
+                                 info.order != reference::BufferOrder::set;
         const bool one_list = info.name == buffers::hits.name && rays() == 1;
         return !has_partner || one_list;
     }
@@ -235,6 +238,21 @@ class StageSpoiler {
         for (const std::size_t i : ends_and_middle_of(used.size())) {
             spoil_word(buffers::queue, used[i], static_cast<std::uint32_t>(rays()),
                        buffers::queue.name);
+        }
+    }
+
+    /// The first, the middle and the last pair: a ray that there is not, and nodes of other levels.
+    void spoil_pairs() {
+        const auto begins = reference::inner_begins(input_.bvh);
+        for (const std::size_t i : ends_and_middle_of(stage_->get(buffers::pairs).size())) {
+            const auto spoil_word = [&](std::size_t word, std::uint32_t value) {
+                refused(buffers::pairs.name,
+                        fmt::format("pair {} with word {} = {}", i, word, value),
+                        [&](Inputs& in) { in.set(buffers::pairs.name, 2 * i + word, value); });
+            };
+            spoil_word(0, begins[stage_->level] - 1);
+            spoil_word(0, begins[stage_->level + 1]);
+            spoil_word(1, static_cast<std::uint32_t>(rays()));
         }
     }
 
@@ -347,7 +365,9 @@ std::vector<Failure> check_queue_refusal(const PipelineInput& input, const Backe
     PipelineInput broken = input;
     broken.parameters.batch_rays =
         std::max(input.parameters.batch_rays, static_cast<std::uint32_t>(rays.size()));
-    const bool has_queues = broken.bvh.level_begins.size() > 3;  // below the root, and not its last
+    // Below the root, and not its last. A queue of pairs has room for all children of all pairs.
+    const bool has_queues = broken.bvh.level_begins.size() > 3 &&
+                            broken.parameters.queues == reference::QueueKind::nodes;
     bool two_children = false;
     std::visit(
         [&](auto& nodes) {

@@ -29,7 +29,7 @@ std::vector<Failure> check_ray_refusals(const PipelineInput& input, const Backen
 
 /// Two children of the root become one, in a copy of the tree: rays that enter both overflow its
 /// queue, which must be an error that names the node, its room and what was pushed. Nothing where
-/// no ray enters the root, or the tree has no queues below it.
+/// no ray enters the root, or the tree has no queues of nodes below it.
 std::vector<Failure> check_queue_refusal(const PipelineInput& input, const Backend& backend,
                                          std::span<const reference::Ray> rays,
                                          std::string* said = nullptr);

@@ -162,6 +162,9 @@ void WorkHasher::on_stage(const reference::StageView& stage) {
         if (offsets[node] > queue.size() || lengths[node] > queue.size() - offsets[node]) continue;
         hash_ = hash_of(queue.data() + offsets[node], lengths[node] * sizeof(std::uint32_t), hash_);
     }
+    if (const auto pairs = stage.get(buffers::child_pairs); !pairs.empty()) {
+        hash_ = hash_of(pairs.data(), pairs.size_bytes(), hash_);
+    }
     const auto counts = stage.get(buffers::hit_counts);
     const auto hits = stage.get(buffers::hits);
     hash_ = hash_of(counts.data(), counts.size_bytes(), hash_);

@@ -28,7 +28,8 @@ HandOver::Key key_of(const StageView& stage, const BufferInfo& info, bool reads)
     if (written == &buffers::merged) {
         return {written, kNotApplicable, reads ? &info == &buffers::shadow_hits : shadow};
     }
-    const bool of_level = info.row == Row::node || info.row == Row::child_node;
+    const bool of_level = info.row == Row::node || info.row == Row::child_node ||
+                          info.row == Row::pair || info.row == Row::child_pair;
     return {written, of_level ? stage.level - (before ? 1u : 0u) : kNotApplicable, false};
 }
 
@@ -79,6 +80,17 @@ std::string shown(const BufferInfo& info, std::size_t byte, const std::byte* byt
 /// The traversal must not end while rays still wait in a queue.
 bool check_nothing_waits(CheckState& state, const StageView& stage) {
     if (!state.traversal.running) return true;
+    if (const auto& pairs = state.traversal.pairs; !pairs.empty()) {
+        Failure failure = failure_at(stage, invariant::kHandOver,
+                                     "the traversal ended while pairs waited in a queue");
+        failure.level = state.traversal.level + 1;
+        failure.ray = pairs.front().ray;
+        failure.field = buffers::pairs.name;
+        failure.expected = "0 pairs";
+        failure.found = fmt::format("{} pairs", pairs.size());
+        state.add(std::move(failure));
+        return false;
+    }
     const auto& counts = state.traversal.node_counts;
     const std::uint32_t level = state.traversal.level + 1;
     for (std::uint32_t node = 0; node < counts.size(); ++node) {

@@ -31,7 +31,58 @@ struct LeafHits {
     std::vector<std::uint32_t> first;
 };
 
-LeafHits expected_hits(const CheckState& state, const StageView& stage) {
+using FoundHits = tbb::enumerable_thread_specific<std::vector<LeafHit>>;
+
+/// Adds the hit, unless there is none or it must not count.
+void add_hit(std::vector<LeafHit>& found, const HitCandidate& hit, std::uint32_t ray,
+             std::uint32_t node, std::uint32_t block, float limit, EarlyOut policy) {
+    if (hit.primitive == kNone) return;
+    const bool near = !(hit.t > limit);
+    if (!near && policy == EarlyOut::level) return;
+    found.push_back({ray, hit.primitive, node, block, hit.t, near});
+}
+
+/// Of a level with a queue of pairs: the leaves that its rays enter from their nodes, or their
+/// subtrees.
+void find_pair_hits(const CheckState& state, const StageView& stage, FoundHits& found) {
+    const auto rays = stage.get(buffers::rays);
+    const auto pairs = stage.get(buffers::pairs);
+    const auto minimum = stage.get(buffers::minimum);
+    const WideBvh& bvh = state.bvh;
+    const NodeBoxes root = boxes_of(bvh, 0);
+    const bool subtrees = bvh.is_level_of_subtrees(stage.level);
+    const std::size_t count = stage.level == 0 ? rays.size() : pairs.size();
+    const auto per_block = static_cast<std::uint32_t>(state.parameters.rays_per_block);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count), [&](const auto& range) {
+        auto& local = found.local();
+        for (std::size_t p = range.begin(); p != range.end(); ++p) {
+            const NodeRay pair =
+                stage.level == 0 ? NodeRay{0, static_cast<std::uint32_t>(p)} : pairs[p];
+            // check_pairs reports what is no ray or node of the level.
+            if (pair.ray >= rays.size() || pair.node >= bvh.inner_count()) continue;
+            const Ray& ray = rays[pair.ray];
+            const float limit = pair.ray < minimum.size() ? minimum[pair.ray] : kInfinity;
+            const auto block = static_cast<std::uint32_t>(p / per_block);
+            const auto add = [&](const HitCandidate& hit, std::uint32_t node) {
+                add_hit(local, hit, pair.ray, node, block, limit, state.parameters.early_out);
+            };
+            if (subtrees) {
+                add(hit_of_subtree(bvh, pair.node, ray, state.traversal.asks_any), kNotApplicable);
+                continue;
+            }
+            const NodeBoxes boxes = boxes_of(bvh, pair.node);
+            const ExpectedChildren children = expected_pairs(boxes, root, ray, limit);
+            for (std::uint32_t c = 0; c < boxes.width; ++c) {
+                if ((children.overlapped >> c & 1u) == 0) continue;
+                const std::uint32_t ref = bvh.node_refs[boxes.child[c]];
+                if (!is_leaf(ref)) continue;
+                add(closest_in_leaf(bvh, bvh.leaves[ref_index(ref)], ray), boxes.child[c]);
+            }
+        }
+    });
+}
+
+void find_queue_hits(const CheckState& state, const StageView& stage, FoundHits& found) {
     const auto rays = stage.get(buffers::rays);
     const auto counts = stage.get(buffers::node_counts);
     const auto offsets = stage.get(buffers::queue_offsets);
@@ -43,7 +94,6 @@ LeafHits expected_hits(const CheckState& state, const StageView& stage) {
     const bool has_children = stage.level + 1 < state.bvh.level_count();
     const auto& block_offsets = state.traversal.block_offsets;
     const auto per_block = static_cast<std::uint32_t>(state.parameters.rays_per_block);
-    tbb::enumerable_thread_specific<std::vector<LeafHit>> found;
     tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, nodes), [&](const auto& range) {
         auto& local = found.local();
         for (std::uint32_t node = range.begin(); node != range.end(); ++node) {
@@ -62,15 +112,22 @@ LeafHits expected_hits(const CheckState& state, const StageView& stage) {
                         ? closest_in_leaf(state.bvh, state.bvh.leaves[ref_index(ref)], rays[ray])
                         : hit_of_subtree(state.bvh, ref_index(ref), rays[ray],
                                          state.traversal.asks_any);
-                if (hit.primitive == kNone) continue;
-                const bool near = !(hit.t > limit);
-                if (!near && policy == EarlyOut::level) continue;
                 const std::uint32_t block =
                     (node < block_offsets.size() ? block_offsets[node] : 0u) + p / per_block;
-                local.push_back({ray, hit.primitive, first_node + node, block, hit.t, near});
+                add_hit(local, hit, ray, first_node + node, block, limit, policy);
             }
         }
     });
+}
+
+LeafHits expected_hits(const CheckState& state, const StageView& stage) {
+    const auto rays = stage.get(buffers::rays);
+    FoundHits found;
+    if (state.parameters.queues == QueueKind::pairs) {
+        find_pair_hits(state, stage, found);
+    } else {
+        find_queue_hits(state, stage, found);
+    }
     LeafHits out;
     out.first.assign(rays.size() + 1, 0);
     for (const auto& local : found) {

@@ -28,12 +28,6 @@ struct Tally {
     std::uint64_t entries = 0, pushes = 0, missed = 0, culled = 0;
 };
 
-/// A ray kept out of a child although it overlaps it, under early-out `immediate`.
-struct KeptOutRay {
-    std::uint32_t ray, child, block;
-    float entry;
-};
-
 /// One worker's results. `position` and `pushed` are scratch, all kNone between nodes.
 struct Worker {
     std::vector<std::uint32_t> position;
@@ -330,11 +324,13 @@ bool check_input_queue(CheckState& state, const Launch& launch) {
     return true;
 }
 
-/// Keeps the nearest box that each ray was kept out of; merge judges by the final hit.
-void remember_kept_out(CheckState& state, const StageView& stage, const Worker& worker) {
+}  // namespace
+
+void remember_kept_out(CheckState& state, const StageView& stage,
+                       const std::vector<KeptOutRay>& rays) {
     auto& kept_out = state.traversal.kept_out;
     kept_out.resize(stage.get(buffers::rays).size());
-    for (const KeptOutRay& ray : worker.kept_out) {
+    for (const KeptOutRay& ray : rays) {
         auto& nearest = kept_out[ray.ray];
         // For equal entries the lower node: the report must not depend on the workers.
         if (ray.entry < nearest.entry ||
@@ -344,8 +340,6 @@ void remember_kept_out(CheckState& state, const StageView& stage, const Worker& 
         }
     }
 }
-
-}  // namespace
 
 void check_queues(CheckState& state, const StageView& stage) {
     const auto& begins = state.bvh.level_begins;
@@ -416,7 +410,7 @@ void check_queues(CheckState& state, const StageView& stage) {
         state.counts.pushes += worker.tally.pushes;
         state.counts.missed += worker.tally.missed;
         state.counts.culled += worker.tally.culled;
-        if (!worker.kept_out.empty()) remember_kept_out(state, stage, worker);
+        if (!worker.kept_out.empty()) remember_kept_out(state, stage, worker.kept_out);
     }
     state.add_sorted(std::move(failures));
 }
@@ -450,6 +444,7 @@ void follow_level(CheckState& state, const StageView& stage) {
     traversal.node_counts = copy_of(stage.get(buffers::child_counts));
     traversal.queue_offsets = copy_of(stage.get(buffers::child_offsets));
     traversal.queue = copy_of(stage.get(buffers::child_queue));
+    traversal.pairs = copy_of(stage.get(buffers::child_pairs));
 
     const auto note = [&](std::size_t ray, float t, std::uint32_t primitive) {
         HitCandidate& best = traversal.best[ray];

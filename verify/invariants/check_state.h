@@ -27,6 +27,7 @@ struct TraversalState {
     std::vector<std::uint32_t> node_counts;
     std::vector<std::uint32_t> queue_offsets;
     std::vector<std::uint32_t> queue;
+    std::vector<reference::NodeRay> pairs;  ///< from the level before
     // This level's scan.
     std::vector<std::uint32_t> block_offsets;
     std::vector<std::uint32_t> child_offsets;
@@ -144,6 +145,8 @@ bool expect_same(CheckState& state, const reference::StageView& stage, const cha
 // One function per stage kind. Each reads only the stage and the state of stages before.
 void check_scan(CheckState& state, const reference::StageView& stage);
 void check_queues(CheckState& state, const reference::StageView& stage);
+/// The same where a level has one queue of pairs.
+void check_pairs(CheckState& state, const reference::StageView& stage);
 void check_leaves(CheckState& state, const reference::StageView& stage);
 void check_minimum(CheckState& state, const reference::StageView& stage);
 void check_merge(CheckState& state, const reference::StageView& stage);
@@ -169,6 +172,14 @@ void follow_level(CheckState& state, const reference::StageView& stage);
 void follow_minimum(CheckState& state, const reference::StageView& stage);
 void follow_shading(CheckState& state, const reference::StageView& stage);
 void follow_hand_over(CheckState& state, const reference::StageView& stage);
+/// A ray kept out of a box although it overlaps it, under early-out `immediate`: keeps the nearest
+/// such box of each ray, and merge judges by the final hit.
+struct KeptOutRay {
+    std::uint32_t ray, child, block;
+    float entry;
+};
+void remember_kept_out(CheckState& state, const reference::StageView& stage,
+                       const std::vector<KeptOutRay>& rays);
 /// Before a traversal, and before one that is run again.
 void forget_traversal(CheckState& state);
 

@@ -31,10 +31,11 @@ NodeBoxes boxes_of(const WideBvh& bvh, std::uint32_t inner_index) {
     return boxes;
 }
 
-ExpectedChildren expected_children(const NodeBoxes& node, const Ray& ray, float limit) {
+namespace {
+
+ExpectedChildren children_by(const RaySlabs& slabs, const NodeBoxes& node, const Ray& ray,
+                             float limit) {
     ExpectedChildren expected;
-    const RaySlabs slabs = ray_slabs(ray.origin, safe_inverse(ray.direction),
-                                     box_pad(ray.origin, node.node_low, node.node_high));
     for (std::uint32_t c = 0; c < node.width; ++c) {
         if (node.child[c] == kNone) continue;
         const BoxInterval interval =
@@ -45,6 +46,23 @@ ExpectedChildren expected_children(const NodeBoxes& node, const Ray& ray, float 
         if (!(interval.entry > limit)) expected.required |= 1u << c;
     }
     return expected;
+}
+
+/// A ray prepared for boxes that are padded as the node's own is.
+RaySlabs slabs_of(const NodeBoxes& node, const Ray& ray) {
+    return ray_slabs(ray.origin, safe_inverse(ray.direction),
+                     box_pad(ray.origin, node.node_low, node.node_high));
+}
+
+}  // namespace
+
+ExpectedChildren expected_children(const NodeBoxes& node, const Ray& ray, float limit) {
+    return children_by(slabs_of(node, ray), node, ray, limit);
+}
+
+ExpectedChildren expected_pairs(const NodeBoxes& node, const NodeBoxes& root, const Ray& ray,
+                                float limit) {
+    return children_by(slabs_of(root, ray), node, ray, limit);
 }
 
 HitCandidate closest_in_leaf(const WideBvh& bvh, const Leaf& leaf, const Ray& ray) {
@@ -93,10 +111,7 @@ HitCandidate hit_below(const WideBvh& bvh, std::uint32_t inner_index, const Ray&
 
 HitCandidate hit_of_subtree(const WideBvh& bvh, std::uint32_t inner_index, const Ray& ray,
                             bool any) {
-    const NodeBoxes root = boxes_of(bvh, inner_index);
-    const RaySlabs slabs = ray_slabs(ray.origin, safe_inverse(ray.direction),
-                                     box_pad(ray.origin, root.node_low, root.node_high));
-    return hit_below(bvh, inner_index, ray, slabs, any);
+    return hit_below(bvh, inner_index, ray, slabs_of(boxes_of(bvh, inner_index), ray), any);
 }
 
 }  // namespace scotty::verify

@@ -31,6 +31,10 @@ struct ExpectedChildren {
 /// `limit` is the nearest hit known, +infinity if nothing culls.
 ExpectedChildren expected_children(const NodeBoxes& node, const reference::Ray& ray, float limit);
 
+/// The same with boxes padded as `root` is: a level with a queue of pairs.
+ExpectedChildren expected_pairs(const NodeBoxes& node, const NodeBoxes& root,
+                                const reference::Ray& ray, float limit);
+
 /// Closest hit of one ray in one leaf; {+infinity, kNone} if there is none.
 reference::HitCandidate closest_in_leaf(const reference::WideBvh& bvh, const reference::Leaf& leaf,
                                         const reference::Ray& ray);

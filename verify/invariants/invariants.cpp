@@ -87,7 +87,11 @@ void InvariantChecker::on_stage(const StageView& stage) {
         case StageKind::intersect_root:
         case StageKind::intersect:
             if (judged) {
-                check_queues(state, stage);
+                if (state.parameters.queues == reference::QueueKind::pairs) {
+                    check_pairs(state, stage);
+                } else {
+                    check_queues(state, stage);
+                }
                 check_leaves(state, stage);
             }
             follow_level(state, stage);

@@ -20,7 +20,7 @@ import sys
 
 # A fault's `run` changes this: one small configuration of `scotty verify`.
 OPTIONS = {"--size": "24x18", "--spp": "1", "--bounces": "0", "--light-samples": "1", "--width": "8",
-           "--rays-per-block": "64", "--queue-levels": "0", "--early-out": "off", "--hit-mode": "buffer", "--block-order": "linear",
+           "--rays-per-block": "64", "--queue-levels": "0", "--queues": "nodes", "--early-out": "off", "--hit-mode": "buffer", "--block-order": "linear",
            "--shadow-query": "closest", "--hit-capacity": "8", "--batch-rays": "262144", "--schedule": "free"}
 
 HERE = os.path.dirname(os.path.abspath(__file__))

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
+#include <tuple>
 
 #include "reference/base/error.h"
 #include "reference/contract/last_queues.h"
@@ -32,7 +34,101 @@ reference::WideBvh tree_of(const Capture& capture) {
     return read_pipeline_input(capture.directory()).bvh;
 }
 
+/// Queues of nodes, as buffers hold them.
+struct NodeQueues {
+    std::vector<std::uint32_t> counts, offsets, rays;
+    std::vector<std::uint32_t> places;  ///< by entry: its index in the queue of pairs
+};
+
+/// The queues of the nodes from `first` to `end`, as runs of the sorted pairs. Pairs of other nodes
+/// are left out: the invariants report them.
+NodeQueues runs_of(std::span<const reference::NodeRay> pairs, const reference::WideBvh& bvh,
+                   std::uint32_t first, std::uint32_t end) {
+    std::vector<std::uint32_t> position(bvh.inner_count(), reference::kNone);
+    for (std::uint32_t node = first; node < end; ++node) {
+        const std::uint32_t ref = bvh.node_refs[node];
+        if (!reference::is_leaf(ref)) position[ref] = node - first;
+    }
+    NodeQueues out;
+    out.counts.resize(end - first, 0);
+    for (std::uint32_t i = 0; i < pairs.size(); ++i) {
+        const std::uint32_t inner = pairs[i].node;
+        if (inner >= position.size() || position[inner] == reference::kNone) continue;
+        ++out.counts[position[inner]];
+        out.places.push_back(i);
+    }
+    std::sort(out.places.begin(), out.places.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return std::tie(pairs[a].node, pairs[a].ray, a) < std::tie(pairs[b].node, pairs[b].ray, b);
+    });
+    out.offsets.push_back(0);
+    for (const std::uint32_t count : out.counts) out.offsets.push_back(out.offsets.back() + count);
+    for (const std::uint32_t i : out.places) out.rays.push_back(pairs[i].ray);
+    return out;
+}
+
+/// The root's, which is all rays.
+NodeQueues root_queue(std::uint32_t rays) { return {{rays}, {0, rays}, {}, {}}; }
+
+/// By node: the lowest block that has an entry of it. Last: all blocks.
+std::vector<std::uint32_t> first_blocks(const NodeQueues& queues, std::uint32_t threads) {
+    std::vector<std::uint32_t> out;
+    std::uint32_t entries = 0;
+    for (std::size_t node = 0; node < queues.counts.size(); ++node) {
+        std::uint32_t first =
+            queues.counts[node] == 0 || queues.places.empty() ? 0 : reference::kNone;
+        for (std::uint32_t p = 0; p < queues.counts[node] && !queues.places.empty(); ++p) {
+            first = std::min(first, queues.places[queues.offsets[node] + p] / threads);
+        }
+        out.push_back(first);
+        entries += queues.counts[node];
+    }
+    out.push_back((entries + threads - 1) / threads);
+    return out;
+}
+
+/// By entry of a level: its index in the queue of pairs. In no capture: what a debugger sorts by.
+constexpr reference::Buffer<std::uint32_t> kPlaces{"places", reference::Row::none, buffers::kNumber,
+                                                   buffers::kExact, "index in the queue of pairs"};
+
 }  // namespace
+
+std::shared_ptr<const reference::OwnedBuffer> Queues::from_pairs(
+    const StageRecord& stage, const reference::BufferInfo& wanted) const {
+    const auto is = [&](const reference::BufferInfo& one) { return one.name == wanted.name; };
+    const bool below =
+        is(buffers::child_counts) || is(buffers::child_offsets) || is(buffers::child_queue);
+    const bool here = is(buffers::node_counts) || is(buffers::queue_offsets) ||
+                      is(buffers::block_offsets) || is(buffers::queue) || is(kPlaces);
+    if (!has_pairs() || !is_level_kernel(stage.kind) || !(below || here)) return nullptr;
+    const auto& begins = bvh_.level_begins;
+    if (stage.level >= bvh_.level_count() || stage.threads == 0) return nullptr;
+    NodeQueues queues;
+    if (here && stage.level == 0) {
+        const BufferRecord* rays = stage.input(buffers::rays.name);
+        if (rays == nullptr || is(buffers::queue) || is(kPlaces)) return nullptr;
+        queues = root_queue(static_cast<std::uint32_t>(rays->shape.at(0)));
+    } else {
+        const BufferRecord* record =
+            below ? stage.output(buffers::child_pairs.name) : stage.input(buffers::pairs.name);
+        if (record == nullptr) return nullptr;
+        const auto pairs = buffer(stage, *record);
+        const std::uint32_t level = stage.level + (below ? 1 : 0);
+        const std::uint32_t first = begins[level];
+        const std::uint32_t end = level < bvh_.level_count() ? begins[level + 1] : first;
+        queues = runs_of({reinterpret_cast<const reference::NodeRay*>(pairs->bytes.data()),
+                          pairs->bytes.size() / sizeof(reference::NodeRay)},
+                         bvh_, first, end);
+    }
+    const auto made = [&](const std::vector<std::uint32_t>& values) {
+        reference::OwnedBuffer out = own(reference::buffer_view<std::uint32_t>(
+            wanted.name, std::span<const std::uint32_t>(values), wanted.meaning));
+        return std::make_shared<const reference::OwnedBuffer>(std::move(out));
+    };
+    if (is(buffers::node_counts) || is(buffers::child_counts)) return made(queues.counts);
+    if (is(buffers::queue_offsets) || is(buffers::child_offsets)) return made(queues.offsets);
+    if (is(buffers::block_offsets)) return made(first_blocks(queues, stage.threads));
+    return made(is(kPlaces) ? queues.places : queues.rays);
+}
 
 Queues::Queues(const Capture& capture)
     : capture_(capture), bvh_(tree_of(capture)), last_queues_(reference::last_queues(bvh_)) {
@@ -98,6 +194,12 @@ PartialStage Queues::some_of(const StageRecord& stage,
     PartialStage part;
     part.view = bare_view(stage);
     for (const reference::BufferInfo* info : wanted) {
+        if (const auto made = from_pairs(stage, *info); made != nullptr) {
+            part.kept.push_back(made);
+            const bool output = info->row == reference::Row::child_node;
+            (output ? part.view.outputs : part.view.inputs).push_back(made->view());
+            continue;
+        }
         for (const bool output : {false, true}) {
             const BufferRecord* record =
                 output ? stage.output(info->name) : stage.input(info->name);
@@ -121,11 +223,12 @@ LevelQueues Queues::queues_of(const StageRecord& stage) const {
     }
     LevelQueues out;
     out.stage = some_of(stage, {&buffers::node_counts, &buffers::queue_offsets,
-                                &buffers::block_offsets, &buffers::queue});
+                                &buffers::block_offsets, &buffers::queue, &kPlaces});
     out.first_node = bvh_.level_begins[stage.level];
     const std::uint32_t nodes = bvh_.level_begins[stage.level + 1] - out.first_node;
     const auto counts = out.stage.get(buffers::node_counts);
     out.block_offsets = out.stage.get(buffers::block_offsets);
+    out.places = out.stage.get(kPlaces);
     if (stage.level == 0 && counts.size() == 1) {
         out.regions.regions = {{0, counts[0], counts[0], counts[0]}};
     } else if (const auto* queue = out.stage.view.find(buffers::queue.name); queue != nullptr) {
@@ -198,7 +301,9 @@ std::vector<NodeRow> Queues::nodes(const StageRecord& stage) const {
         row.claimed = static_cast<std::uint32_t>(region.claimed);
         row.offset = static_cast<std::uint32_t>(region.begin);
         row.first_block = queues.block_offsets[i];
-        row.blocks = (row.count + stage.threads - 1) / stage.threads;
+        std::set<std::uint32_t> blocks;
+        for (std::uint32_t p = 0; p < row.count; ++p) blocks.insert(queues.block(i, p));
+        row.blocks = static_cast<std::uint32_t>(blocks.size());
         const std::uint32_t ref = bvh_.node_refs[row.node];
         row.leaf = bvh_.ends_queues(row.node);
         if (reference::is_leaf(ref)) row.triangles = bvh_.leaves[reference::ref_index(ref)].count;
@@ -233,7 +338,7 @@ std::vector<Entry> Queues::entries(const StageRecord& stage, std::uint32_t node)
         Entry& entry = out[p];
         entry.position = p;
         entry.block = queues.block(position, p);
-        entry.thread = p % stage.threads;
+        entry.thread = queues.thread(position, p);
         entry.ray = queues.ray(position, p);
         if (entry.ray < rays.size()) entry.record = rays[entry.ray];
         if (entry.ray < minimum.size()) entry.minimum = minimum[entry.ray];

@@ -80,13 +80,15 @@ struct PartialStage {
     }
 };
 
-/// The queues that one launch reads.
+/// The queues that one launch reads. Those of a queue of pairs are its runs: sorted by node, then
+/// by ray, each node's entries are neighbours.
 struct LevelQueues {
     PartialStage stage;
     std::uint32_t first_node = 0;
     Regions regions;                       ///< by position in the level
     std::span<const std::uint32_t> queue;  ///< empty at the root, which takes ray p as entry p
     std::span<const std::uint32_t> block_offsets;
+    std::span<const std::uint32_t> places;  ///< of pairs: by entry, its index in the level's queue
 
     std::uint32_t nodes() const { return static_cast<std::uint32_t>(regions.regions.size()); }
     /// Entry p of the node at that position in the level.
@@ -95,7 +97,14 @@ struct LevelQueues {
                              : queue[regions.regions[position].begin + p];
     }
     std::uint32_t block(std::size_t position, std::size_t p) const {
+        if (!places.empty()) {
+            return places[regions.regions[position].begin + p] / stage.view.threads;
+        }
         return block_offsets[position] + static_cast<std::uint32_t>(p) / stage.view.threads;
+    }
+    std::uint32_t thread(std::size_t position, std::size_t p) const {
+        const std::size_t at = places.empty() ? p : places[regions.regions[position].begin + p];
+        return static_cast<std::uint32_t>(at % stage.view.threads);
     }
 };
 
@@ -134,11 +143,18 @@ class Queues {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> rays_of(std::uint32_t x,
                                                                  std::uint32_t y) const;
 
-    /// The named buffers; those that the launch has not are left out.
+    /// The named buffers; those that the launch has not are left out. Where a level kernel has a
+    /// queue of pairs, the buffers of its nodes' queues are what the sorted pairs come to.
     PartialStage some_of(const StageRecord& stage,
                          std::initializer_list<const reference::BufferInfo*> wanted) const;
 
+    bool has_pairs() const { return parameters().queues == reference::QueueKind::pairs; }
+
  private:
+    /// A buffer of the nodes' queues by the pairs that the launch has read or written; null where
+    /// it is none of those, or the pairs were not captured.
+    std::shared_ptr<const reference::OwnedBuffer> from_pairs(
+        const StageRecord& stage, const reference::BufferInfo& wanted) const;
     std::shared_ptr<const reference::OwnedBuffer> buffer(const StageRecord& stage,
                                                          const BufferRecord& record) const;
     std::optional<LevelTotals> totals(const StageRecord& stage) const;

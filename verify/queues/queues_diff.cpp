@@ -98,7 +98,7 @@ void compare_children(const Visit& a, const Visit& b, std::vector<PartPair>& par
 }
 
 /// Hits are a set: in which slot one lies is free.
-void compare_hits(const Visit& a, const Visit& b, std::vector<PartPair>& parts) {
+void compare_hits(const LeafVisit& a, const LeafVisit& b, std::vector<PartPair>& parts) {
     std::vector<const GatheredHit*> of_b;
     for (const GatheredHit& hit : b.hits) of_b.push_back(&hit);
     const auto name = [](const GatheredHit& hit) {
@@ -133,6 +133,11 @@ std::vector<PartPair> compare(const Visit& a, const Visit& b) {
         parts.push_back({"minimum", Change::changed, words(a.minimum), words(b.minimum)});
     }
     compare_children(a, b, parts);
+    for (std::size_t c = 0; c < std::min(a.children.size(), b.children.size()); ++c) {
+        if (a.children[c].tested && b.children[c].tested) {
+            compare_hits(*a.children[c].tested, *b.children[c].tested, parts);
+        }
+    }
     if (a.leaf_outcome != b.leaf_outcome) {
         parts.push_back(
             {"leaf", Change::changed, to_string(a.leaf_outcome), to_string(b.leaf_outcome)});

@@ -27,6 +27,8 @@ const char* to_string(Outcome outcome) {
             return "lost";
         case Outcome::extra:
             return "extra";
+        case Outcome::tested:
+            return "tested";
     }
     return "?";
 }
@@ -181,7 +183,7 @@ class Historian {
         visit.node = level.first_node + node;
         visit.position = static_cast<std::uint32_t>(p);
         visit.block = level.block(node, p);
-        visit.thread = visit.position % stage.threads;
+        visit.thread = level.thread(node, p);
         visit.minimum = at(state.get(buffers::minimum), history.ray);
         const std::uint32_t ref = bvh_.node_refs[visit.node];
         visit.leaf = bvh_.ends_queues(visit.node);
@@ -231,8 +233,10 @@ class Historian {
 
     void add_children(Visit& visit, const Ray& ray, std::uint32_t id, const Below& below) {
         const NodeBoxes boxes = boxes_of(bvh_, ref_index(bvh_.node_refs[visit.node]));
-        const ExpectedChildren expected =
-            expected_children(boxes, ray, visit.minimum.value_or(kInfinity));
+        const float limit = visit.minimum.value_or(kInfinity);
+        const ExpectedChildren expected = queues_.has_pairs()
+                                              ? expected_pairs(boxes, boxes_of(bvh_, 0), ray, limit)
+                                              : expected_children(boxes, ray, limit);
         for (std::uint32_t c = 0; c < boxes.width; ++c) {
             if (boxes.child[c] == kNone) continue;
             ChildVisit child;
@@ -246,6 +250,10 @@ class Historian {
             const bool required = (expected.required >> c & 1u) != 0;
             if (overlaps) child.entry = expected.entry[c];
             child.outcome = outcome_of(overlaps, required, child.times);
+            const std::uint32_t ref = bvh_.node_refs[child.node];
+            if (queues_.has_pairs() && is_leaf(ref) && child.times == 0) {
+                test_child(child, bvh_.leaves[ref_index(ref)], ray, overlaps, required);
+            }
             visit.children.push_back(child);
         }
     }
@@ -258,6 +266,13 @@ class Historian {
         if (times == 1) return required || (overlaps && later) ? Outcome::pushed : Outcome::extra;
         if (required) return Outcome::lost;
         return overlaps ? Outcome::culled : Outcome::missed;
+    }
+
+    /// A leaf's hits say whether it was tested where the minimum known is a later one.
+    void test_child(ChildVisit& child, const Leaf& leaf, const Ray& ray, bool overlaps,
+                    bool required) const {
+        child.outcome = required ? Outcome::tested : overlaps ? Outcome::culled : Outcome::missed;
+        if (overlaps) child.tested.emplace().closest = closest_in_leaf(bvh_, leaf, ray);
     }
 
     /// What the launch has buffered for each ray since the level before.
@@ -309,30 +324,40 @@ class Historian {
                 const std::vector<GatheredHit>& fresh) {
         TraversalHistory& traversal = traversal_of(history, stage);
         for (const GatheredHit& hit : fresh) {
-            Visit* leaf = nullptr;
+            LeafVisit* leaf = nullptr;
             for (Visit& visit : traversal.visits) {
-                if (visit.launch == stage.launch &&
-                    visit.node == queues_.last_queue_of(hit.hit.primitive)) {
-                    leaf = &visit;
+                if (visit.launch != stage.launch) continue;
+                const std::uint32_t node = queues_.last_queue_of(hit.hit.primitive);
+                if (visit.node == node) leaf = &visit;
+                for (ChildVisit& child : visit.children) {
+                    if (child.node != node || !child.tested) continue;
+                    child.outcome = Outcome::tested;
+                    leaf = &*child.tested;
                 }
             }
             (leaf == nullptr ? traversal.stray : leaf->hits).push_back(hit);
         }
         for (Visit& visit : traversal.visits) {
-            if (visit.leaf && visit.launch == stage.launch) {
-                visit.leaf_outcome = leaf_outcome_of(visit);
+            if (visit.launch != stage.launch) continue;
+            if (visit.leaf) visit.leaf_outcome = leaf_outcome_of(visit, visit.minimum);
+            for (ChildVisit& child : visit.children) {
+                if (child.outcome != Outcome::tested) {
+                    child.tested.reset();
+                } else {
+                    child.tested->leaf_outcome = leaf_outcome_of(*child.tested, visit.minimum);
+                }
             }
         }
     }
 
-    LeafOutcome leaf_outcome_of(const Visit& visit) const {
+    LeafOutcome leaf_outcome_of(const LeafVisit& visit, std::optional<float> minimum) const {
         if (!visit.hits.empty()) {
             return visit.hits.size() == 1 && same_bits(visit.hits[0].hit, visit.closest)
                        ? LeafOutcome::buffered
                        : LeafOutcome::other;
         }
         if (visit.closest.primitive == kNone) return LeafOutcome::none;
-        if (visit.minimum && visit.closest.t > *visit.minimum) return LeafOutcome::beyond;
+        if (minimum && visit.closest.t > *minimum) return LeafOutcome::beyond;
         return queues_.parameters().hit_mode == HitMode::packed ? LeafOutcome::passed
                                                                 : LeafOutcome::lost;
     }
@@ -345,11 +370,17 @@ class Historian {
             traversal.merged = at(part.get(buffers::merged), history.ray);
             if (!traversal.ray) traversal.ray = at(part.get(buffers::rays), history.ray);
             if (!traversal.merged || !is_hit(*traversal.merged)) continue;
-            for (Visit& visit : traversal.visits) {
+            const auto note = [&](LeafVisit& visit, std::uint32_t node) {
                 for (GatheredHit& hit : visit.hits) {
                     if (hit.hit.primitive != traversal.merged->primitive) continue;
                     hit.won = true;
-                    traversal.winner_node = visit.node;
+                    traversal.winner_node = node;
+                }
+            };
+            for (Visit& visit : traversal.visits) {
+                note(visit, visit.node);
+                for (ChildVisit& child : visit.children) {
+                    if (child.tested) note(*child.tested, child.node);
                 }
             }
         }

@@ -19,18 +19,11 @@ enum class Outcome : std::uint8_t {
     missed,  ///< the ray does not enter the child's box
     culled,  ///< it enters beyond the nearest hit known
     pushed,
-    lost,  ///< it enters, and is not in the child's queue
-    extra  ///< it is in the child's queue, and must not be
+    lost,   ///< it enters, and is not in the child's queue
+    extra,  ///< it is in the child's queue, and must not be
+    tested  ///< with a queue of pairs: it enters a leaf, which the launch itself has tested
 };
 const char* to_string(Outcome outcome);
-
-struct ChildVisit {
-    std::uint32_t node = 0;
-    Outcome outcome = Outcome::missed;
-    std::optional<float> entry;             ///< where it enters; none where it misses the box
-    std::optional<std::uint32_t> position;  ///< in the child's queue
-    std::uint32_t times = 0;                ///< in the child's queue; 1 where all is well
-};
 
 enum class LeafOutcome : std::uint8_t {
     none,      ///< no triangle is hit
@@ -48,8 +41,24 @@ struct GatheredHit {
     bool won = false;  ///< it became the ray's hit at the merge
 };
 
-/// The ray as one entry of one node's queue.
-struct Visit {
+/// What a launch has found for the ray in a leaf.
+struct LeafVisit {
+    LeafOutcome leaf_outcome = LeafOutcome::none;
+    reference::HitCandidate closest{};  ///< of the leaf's triangles, recomputed
+    std::vector<GatheredHit> hits;      ///< what the launch buffered for the ray from this leaf
+};
+
+struct ChildVisit {
+    std::uint32_t node = 0;
+    Outcome outcome = Outcome::missed;
+    std::optional<float> entry;             ///< where it enters; none where it misses the box
+    std::optional<std::uint32_t> position;  ///< in the child's queue
+    std::uint32_t times = 0;                ///< in the child's queue; 1 where all is well
+    std::optional<LeafVisit> tested;        ///< what came of the leaf
+};
+
+/// The ray as one entry of one node's queue; of a leaf or a subtree also what was found there.
+struct Visit : LeafVisit {
     std::string stage;
     std::uint32_t launch = 0, level = 0, node = 0;
     std::uint32_t position = 0;  ///< in the node's queue
@@ -58,9 +67,6 @@ struct Visit {
     bool subtree = false;              ///< that kind of leaf: each ray goes on depth first
     std::optional<float> minimum;      ///< that it was culled by; none without early-out
     std::vector<ChildVisit> children;  ///< of an inner node, in order of their ids
-    LeafOutcome leaf_outcome = LeafOutcome::none;
-    reference::HitCandidate closest{};  ///< of the leaf's triangles, recomputed
-    std::vector<GatheredHit> hits;      ///< what the launch buffered for the ray from this leaf
 };
 
 struct TraversalHistory {

@@ -63,12 +63,23 @@ ordered_json list(const std::vector<T>& items) {
     return out;
 }
 
+ordered_json document(const LeafVisit& leaf) {
+    return {{"outcome", to_string(leaf.leaf_outcome)},
+            {"closest", leaf.closest.primitive == kNone
+                            ? ordered_json()
+                            : ordered_json{{"t", json_number(leaf.closest.t)},
+                                           {"primitive", leaf.closest.primitive}}},
+            {"hits", list(leaf.hits)}};
+}
+
 ordered_json document(const ChildVisit& child) {
-    return {{"node", child.node},
-            {"outcome", to_string(child.outcome)},
-            {"entry", json_number(child.entry)},
-            {"position", id(child.position)},
-            {"times", child.times}};
+    ordered_json out{{"node", child.node},
+                     {"outcome", to_string(child.outcome)},
+                     {"entry", json_number(child.entry)},
+                     {"position", id(child.position)},
+                     {"times", child.times}};
+    if (child.tested) out["leaf"] = document(*child.tested);
+    return out;
 }
 
 ordered_json document(const Visit& visit) {
@@ -78,12 +89,7 @@ ordered_json document(const Visit& visit) {
                      {"thread", visit.thread},     {"minimum", json_number(visit.minimum)}};
     if (visit.subtree) out["subtree"] = true;
     if (visit.leaf) {
-        out["leaf"] = {{"outcome", to_string(visit.leaf_outcome)},
-                       {"closest", visit.closest.primitive == kNone
-                                       ? ordered_json()
-                                       : ordered_json{{"t", json_number(visit.closest.t)},
-                                                      {"primitive", visit.closest.primitive}}},
-                       {"hits", list(visit.hits)}};
+        out["leaf"] = document(static_cast<const LeafVisit&>(visit));
     } else {
         out["children"] = list(visit.children);
     }

@@ -56,6 +56,7 @@ json level_arrays(PageArrays& pool, const Queues& queues, const StageRecord& sta
         {"offsets", pool.add(of_regions(level.regions, [](const Region& r) { return r.begin; }))},
         {"claimed", pool.add(of_regions(level.regions, [](const Region& r) { return r.claimed; }))},
         {"block_offsets", pool.add(level.block_offsets)}};
+    if (!level.places.empty()) out["places"] = pool.add(level.places);
     const PartialStage below = queues.some_of(
         stage, {&buffers::child_counts, &buffers::child_offsets, &buffers::child_queue});
     if (const auto* child_queue = below.view.find(buffers::child_queue.name);

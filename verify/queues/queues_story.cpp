@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <optional>
 
 #include "verify/base/json_number.h"
 #include "verify/capture/failure.h"
@@ -31,13 +32,13 @@ std::string child_text(const Visit& visit, const ChildVisit& child) {
     return text;
 }
 
-std::string leaf_text(const Visit& visit) {
+std::string leaf_text(const LeafVisit& visit, std::optional<float> minimum) {
     switch (visit.leaf_outcome) {
         case LeafOutcome::none:
             return "no triangle is hit";
         case LeafOutcome::beyond:
             return fmt::format("{}, beyond the minimum {}", hit_text(visit.closest),
-                               exact(*visit.minimum));
+                               exact(minimum.value_or(reference::kInfinity)));
         case LeafOutcome::passed:
             return hit_text(visit.closest) + ", but there was a nearer one";
         case LeafOutcome::lost:
@@ -64,7 +65,7 @@ void tell(std::string& text, const Visit& visit) {
     if (visit.minimum) text += fmt::format(", minimum {}", exact(*visit.minimum));
     text += fmt::format("  [launch {}]\n", visit.launch);
     if (visit.leaf) {
-        text += "      " + leaf_text(visit) + "\n";
+        text += "      " + leaf_text(visit, visit.minimum) + "\n";
         return;
     }
     std::string missed;
@@ -73,6 +74,9 @@ void tell(std::string& text, const Visit& visit) {
             missed += fmt::format(" {}", child.node);
         } else {
             text += "      " + child_text(visit, child) + "\n";
+            if (child.tested) {
+                text += "        " + leaf_text(*child.tested, visit.minimum) + "\n";
+            }
         }
     }
     if (!missed.empty()) text += "      missed " + missed + "\n";
@@ -140,7 +144,7 @@ bool happened(const TraversalHistory& traversal) {
 
 std::string outcome_text(const std::optional<Visit>& visit) {
     if (!visit) return "-";
-    if (visit->leaf) return leaf_text(*visit);
+    if (visit->leaf) return leaf_text(*visit, visit->minimum);
     std::string text;
     for (const ChildVisit& child : visit->children) {
         if (child.outcome == Outcome::missed) continue;
@@ -193,15 +197,18 @@ Table history_table(const std::string& title, const RayHistory& history) {
                                       target == kNone ? ordered_json() : ordered_json(target),
                                       json_number(distance)});
             };
+            const auto leaf_rows = [&](const LeafVisit& leaf) {
+                const char* outcome = to_string(leaf.leaf_outcome);
+                if (leaf.hits.empty()) row(outcome, leaf.closest.primitive, leaf.closest.t);
+                for (const GatheredHit& hit : leaf.hits) {
+                    row(hit.won ? "won" : outcome, hit.hit.primitive, hit.hit.t);
+                }
+            };
             for (const ChildVisit& child : v.children) {
                 row(to_string(child.outcome), child.node, child.entry);
+                if (child.tested) leaf_rows(*child.tested);
             }
-            if (v.leaf && v.hits.empty()) {
-                row(to_string(v.leaf_outcome), v.closest.primitive, v.closest.t);
-            }
-            for (const GatheredHit& hit : v.hits) {
-                row(hit.won ? "won" : to_string(v.leaf_outcome), hit.hit.primitive, hit.hit.t);
-            }
+            if (v.leaf) leaf_rows(v);
         }
     });
     return table;

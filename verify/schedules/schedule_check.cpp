@@ -95,7 +95,10 @@ bool first_difference(const std::vector<StageHash>& expected, const std::vector<
 }  // namespace
 
 void StageHasher::on_stage(const StageView& stage) {
-    if (stage.kind == StageKind::scan_counts && stage.level == 0) {
+    // Pairs are not scanned.
+    const bool pairs = parameters_.queues == reference::QueueKind::pairs;
+    if (stage.level == 0 &&
+        stage.kind == (pairs ? StageKind::intersect_root : StageKind::scan_counts)) {
         traversal_begin_ = hashes_.size();
     }
     for (const BufferView& buffer : stage.outputs) {

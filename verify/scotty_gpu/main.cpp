@@ -37,10 +37,11 @@ using Overrides = std::map<const reference::ParameterInfo*, std::string>;
 
 void add_overrides(CLI::App& command, Overrides& overrides) {
     using reference::parameter;
-    static constexpr std::array kRows{
-        &parameter("rays_per_block"), &parameter("queue_levels"), &parameter("batch_rays"),
-        &parameter("hit_capacity"),   &parameter("early_out"),    &parameter("hit_mode"),
-        &parameter("block_order"),    &parameter("shadow_query"), &parameter("arithmetic")};
+    static constexpr std::array kRows{&parameter("rays_per_block"), &parameter("queue_levels"),
+                                      &parameter("queues"),         &parameter("batch_rays"),
+                                      &parameter("hit_capacity"),   &parameter("early_out"),
+                                      &parameter("hit_mode"),       &parameter("block_order"),
+                                      &parameter("shadow_query"),   &parameter("arithmetic")};
     for (const reference::ParameterInfo* info : kRows) {
         command
             .add_option_function<std::string>(
@@ -109,8 +110,10 @@ void print_timings(reference::PipelineInterface& pipeline, const PipelineParamet
                     sum.first, 1e3 * sum.second, 100.0 * sum.second / kernels);
     }
     const double samples = static_cast<double>(p.image_width) * p.image_height * p.spp;
-    std::printf("width %d, queue levels %u, early-out %s, hit mode %s, batches of %u\n", p.width,
-                p.queue_levels, to_string(p.early_out), to_string(p.hit_mode), p.batch_rays);
+    std::printf(
+        "width %d, queue levels %u, queues of %s, early-out %s, hit mode %s, batches of %u\n",
+        p.width, p.queue_levels, to_string(p.queues), to_string(p.early_out), to_string(p.hit_mode),
+        p.batch_rays);
     std::printf("kernels together %.3f ms; the render by the host's clock %.3f ms\n", 1e3 * kernels,
                 1e3 * seconds);
     std::printf("at 8 queries a sample, as the report counts: %.1f Mrays/s, by the clock %.1f\n",
@@ -205,9 +208,12 @@ int trace(const TraceOptions& options) {
 
     const auto pipeline = gpu::make_pipeline(input.scene, input.bvh, input.parameters);
     const reference::PipelineParameters& p = input.parameters;
-    std::printf("%s: width %d, %d rays per block, queue levels %u, early-out %s, hit mode %s\n",
-                input.scene.name.c_str(), input.bvh.width, p.rays_per_block, p.queue_levels,
-                reference::to_string(p.early_out), reference::to_string(p.hit_mode));
+    std::printf(
+        "%s: width %d, %d rays per block, queue levels %u, queues of %s, early-out %s, hit mode "
+        "%s\n",
+        input.scene.name.c_str(), input.bvh.width, p.rays_per_block, p.queue_levels,
+        reference::to_string(p.queues), reference::to_string(p.early_out),
+        reference::to_string(p.hit_mode));
     std::size_t all_rays = 0;
     double all_seconds = 0.0;
     for (std::size_t i = 0; i < files.size(); ++i) {

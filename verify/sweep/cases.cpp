@@ -17,6 +17,7 @@ using reference::EarlyOut;
 using reference::Filter;
 using reference::HitMode;
 using reference::PipelineParameters;
+using reference::QueueKind;
 using reference::ShadowQuery;
 
 namespace {
@@ -171,6 +172,7 @@ std::vector<DraftFactor> factors() {
             numbers<int>("rays_per_block", &P::rays_per_block, {64, 32, 96, 256, 1024}),
             numbers<int>("max_leaf_size", &P::max_leaf_size, {4, 1, 2, 64, 200}),
             numbers<std::uint32_t>("queue_levels", &P::queue_levels, {0, 1, 2, 3}),
+            words<QueueKind>("queues", &P::queues, {QueueKind::nodes, QueueKind::pairs}),
             words<EarlyOut>("early_out", &P::early_out,
                             {EarlyOut::level, EarlyOut::off, EarlyOut::immediate}),
             words<BlockOrder>("block_order", &P::block_order,

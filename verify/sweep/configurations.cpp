@@ -17,6 +17,7 @@ using reference::EarlyOut;
 using reference::HitMode;
 using reference::ParameterGroup;
 using reference::PipelineParameters;
+using reference::QueueKind;
 using reference::ShadowQuery;
 
 namespace {
@@ -61,6 +62,7 @@ std::vector<Factor> factors_of(const PipelineParameters& base, const Configurati
     return {factor(&P::width, filter.widths, {8, 2, 4, 16}),
             factor(&P::rays_per_block, filter.rays_per_block, {64, 32, 256, 1024}),
             factor(&P::queue_levels, filter.queue_levels, {0, 2, 1, 3}),
+            factor(&P::queues, filter.queues, {QueueKind::nodes, QueueKind::pairs}),
             factor(&P::early_out, filter.early_out,
                    {EarlyOut::level, EarlyOut::off, EarlyOut::immediate}),
             factor(&P::hit_mode, filter.hit_mode, {HitMode::buffer, HitMode::packed}),
@@ -86,10 +88,11 @@ std::string Configuration::label() const {
                                  : fmt::format("buffer of {}", p.hit_capacity);
     const std::string levels =
         p.queue_levels == 0 ? "" : fmt::format("{} queue levels, ", p.queue_levels);
+    const char* queues = p.queues == QueueKind::pairs ? "queues of pairs, " : "";
     return fmt::format(
-        "width {}, {} rays per block, {}early-out {}, {}, {}, shadow {}, {}, batches of {}",
-        p.width, p.rays_per_block, levels, to_string(p.early_out), hits, to_string(p.block_order),
-        to_string(p.shadow_query), to_string(schedule), p.batch_rays);
+        "width {}, {} rays per block, {}{}early-out {}, {}, {}, shadow {}, {}, batches of {}",
+        p.width, p.rays_per_block, levels, queues, to_string(p.early_out), hits,
+        to_string(p.block_order), to_string(p.shadow_query), to_string(schedule), p.batch_rays);
 }
 
 std::string picture_options(const PipelineParameters& p) {
@@ -108,6 +111,7 @@ Configuration baseline_configuration(const PipelineParameters& base) {
     Configuration configuration{base, {}};
     configuration.parameters.width = 8;
     configuration.parameters.queue_levels = 0;
+    configuration.parameters.queues = QueueKind::nodes;
     configuration.parameters.early_out = EarlyOut::off;
     configuration.parameters.hit_mode = HitMode::buffer;
     configuration.parameters.block_order = BlockOrder::linear;

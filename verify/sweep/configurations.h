@@ -33,6 +33,7 @@ struct ConfigurationFilter {
     std::vector<int> widths;
     std::vector<int> rays_per_block;
     std::vector<std::uint32_t> queue_levels;
+    std::vector<reference::QueueKind> queues;
     std::vector<reference::EarlyOut> early_out;
     std::vector<reference::HitMode> hit_mode;
     std::vector<reference::BlockOrder> block_order;
@@ -46,7 +47,7 @@ struct ConfigurationFilter {
 
     bool restricts() const {
         return !(widths.empty() && rays_per_block.empty() && queue_levels.empty() &&
-                 early_out.empty() && hit_mode.empty() && block_order.empty() &&
+                 queues.empty() && early_out.empty() && hit_mode.empty() && block_order.empty() &&
                  shadow_query.empty() && hit_capacity.empty() && batch_rays.empty() &&
                  samples_per_pass.empty() && schedule.empty());
     }

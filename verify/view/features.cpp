@@ -112,6 +112,10 @@ void FeatureObserver::count_queues(const StageView& stage) {
         entries = counts_.size();
         return;
     }
+    for (const reference::NodeRay& pair : stage.get(buffers::pairs)) {
+        ++entries;
+        ++counts_[pair.ray];
+    }
     const auto lengths = stage.get(buffers::node_counts);
     const auto offsets = stage.get(buffers::queue_offsets);
     const auto queue = stage.get(buffers::queue);

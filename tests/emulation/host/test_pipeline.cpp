@@ -96,32 +96,40 @@ TEST_CASE(
     "change no bit",
     "[emulation][pipeline]") {
     for (const char* scene : {"cornell", "coil", "veil", "slivers"}) {
-        check_same(scene, tiny(9, 7),
-                   {[](auto& p) { p.early_out = EarlyOut::off; },
-                    [](auto& p) { p.early_out = EarlyOut::immediate; },
-                    [](auto& p) { p.hit_mode = HitMode::packed; },
-                    [](auto& p) { p.block_order = BlockOrder::strided; },
-                    [](auto& p) { p.shadow_query = ShadowQuery::closest; },
-                    [](auto& p) { p.hit_capacity = 1; }, [](auto& p) { p.queue_levels = 1; },
-                    [](auto& p) { p.queue_levels = 2; },
-                    [](auto& p) {
-                        p.queue_levels = 3;
-                        p.hit_mode = HitMode::packed;
-                        p.early_out = EarlyOut::immediate;
-                    },
-                    [](auto& p) {
-                        p.early_out = EarlyOut::off;
-                        p.hit_capacity = 1;
-                        p.width = 2;
-                    },
-                    [](auto& p) {
-                        p.early_out = EarlyOut::immediate;
-                        p.hit_mode = HitMode::packed;
-                        p.block_order = BlockOrder::strided;
-                        p.shadow_query = ShadowQuery::closest;
-                        p.rays_per_block = 32;
-                        p.width = 16;
-                    }});
+        check_same(
+            scene, tiny(9, 7),
+            {[](auto& p) { p.early_out = EarlyOut::off; },
+             [](auto& p) { p.early_out = EarlyOut::immediate; },
+             [](auto& p) { p.hit_mode = HitMode::packed; },
+             [](auto& p) { p.block_order = BlockOrder::strided; },
+             [](auto& p) { p.shadow_query = ShadowQuery::closest; },
+             [](auto& p) { p.hit_capacity = 1; }, [](auto& p) { p.queue_levels = 1; },
+             [](auto& p) { p.queue_levels = 2; }, [](auto& p) { p.queues = QueueKind::pairs; },
+             [](auto& p) {
+                 p.queues = QueueKind::pairs;
+                 p.queue_levels = 2;
+                 p.hit_mode = HitMode::packed;
+                 p.block_order = BlockOrder::strided;
+                 p.early_out = EarlyOut::immediate;
+             },
+             [](auto& p) {
+                 p.queue_levels = 3;
+                 p.hit_mode = HitMode::packed;
+                 p.early_out = EarlyOut::immediate;
+             },
+             [](auto& p) {
+                 p.early_out = EarlyOut::off;
+                 p.hit_capacity = 1;
+                 p.width = 2;
+             },
+             [](auto& p) {
+                 p.early_out = EarlyOut::immediate;
+                 p.hit_mode = HitMode::packed;
+                 p.block_order = BlockOrder::strided;
+                 p.shadow_query = ShadowQuery::closest;
+                 p.rays_per_block = 32;
+                 p.width = 16;
+             }});
     }
 }
 

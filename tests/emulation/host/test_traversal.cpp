@@ -58,6 +58,7 @@ PipelineParameters random_parameters(std::mt19937& random) {
     p.rays_per_block = static_cast<int>(32 * (1 + below(32)));
     p.max_leaf_size = static_cast<int>(1 + below(64));
     p.queue_levels = below(5);
+    p.queues = static_cast<QueueKind>(below(2));
     p.early_out = static_cast<EarlyOut>(below(3));
     p.block_order = static_cast<BlockOrder>(below(2));
     p.hit_mode = static_cast<HitMode>(below(2));

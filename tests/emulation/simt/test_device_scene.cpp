@@ -98,7 +98,7 @@ void check_bvh(const DeviceScene& device, const WideBvh& bvh) {
             CHECK(((row.primitive_and_last & scotty::gpu::simt::kLastBit) != 0) == last[i]);
         }
     }
-    if (!bvh.has_subtrees()) return;
+    if (view.subtrees == nullptr) return;
     for (std::size_t i = view.first_subtree; i < inner.size(); ++i) {
         for (int child = 0; child < Width; ++child) {
             check_child<Width>(view.subtrees[i - view.first_subtree], inner[i], child, bvh,
@@ -117,8 +117,10 @@ TEST_CASE("device scene: every table that is uploaded is the host's", "[simt][de
                 const Scene& scene = scene_named(name);
                 const WideBvh bvh = build_wide_bvh(scene, bvh_parameters(p, 0));
                 scotty::gpu::simt::MemoryBudget budget;
-                const DeviceScene device(scene, bvh, budget);
+                const bool pairs = queue_levels != 1;
+                const DeviceScene device(scene, bvh, pairs, budget);
                 INFO(name << ", width " << width << ", queue levels " << queue_levels);
+                CHECK(device.inner_begins() == inner_begins(bvh));
                 CHECK(device.level_begins() == bvh.level_begins);
                 check_scene(device.view(), scene);
                 switch (width) {

@@ -124,7 +124,7 @@ void check_against_emulator(const std::string& scene, const PipelineParameters& 
     INFO(scene << ", width " << p.width << ", " << p.rays_per_block << " rays per block, early-out "
                << to_string(p.early_out) << ", " << to_string(p.hit_mode) << ", shadow "
                << to_string(p.shadow_query) << ", " << to_string(p.block_order) << ", "
-               << p.queue_levels << " queue levels");
+               << p.queue_levels << " queue levels, queues of " << to_string(p.queues));
     scotty::reference::WideBvh bvh = bvh_of(scene, p.width);
     cut_levels(bvh, p.queue_levels);
     StageCopies stages;
@@ -154,6 +154,7 @@ TEST_CASE(
                 p.block_order = row / 3 % 2 == 0 ? BlockOrder::linear : BlockOrder::strided;
                 p.light_samples = static_cast<std::uint32_t>(row % 3);
                 p.queue_levels = static_cast<std::uint32_t>(row / 2 % 4);
+                p.queues = row % 5 < 2 ? QueueKind::pairs : QueueKind::nodes;
                 check_against_emulator("spheres", p, order[row % order.size()]);
                 ++row;
             }
@@ -208,6 +209,40 @@ TEST_CASE("pipeline: buffers that are too small grow, and the picture is the sam
         scotty::emulation::Pipeline(scene_named("spheres"), bvh_of("spheres", p.width), p).render();
     CHECK(differing_pixels(render(std::size_t{2} << 20), larger) == 0);
     CHECK(retries.halved > 0);
+}
+
+TEST_CASE("pipeline: a level's pairs that find no room are appended again", "[simt][pipeline]") {
+    // A ray through so many triangles, one behind the other, is in more nodes of a level than the
+    // queue has slots for it at first.
+    Scene scene;
+    scene.materials.emplace_back();
+    for (int i = 0; i < 200; ++i) {
+        const float z = -static_cast<float>(i);
+        scotty::reference::test::add_triangle(scene, Vec3(-1, -1, z), Vec3(1, -1, z),
+                                              Vec3(0, 1, z));
+    }
+    PipelineParameters p = small_parameters();
+    p.queues = QueueKind::pairs;
+    p.width = 2;
+    p.max_leaf_size = 1;
+    p.early_out = EarlyOut::off;
+    const WideBvh bvh = build_wide_bvh(scene, bvh_parameters(p, 0));
+    class Retries : public StageObserver {
+     public:
+        bool wants(StageKind) const override { return false; }
+        void on_stage(const StageView&) override {}
+        void on_retry(std::string_view, std::string_view reason) override {
+            pairs += ContainsSubstring("a level's queues need").match(std::string(reason)) ? 1 : 0;
+        }
+        int pairs = 0;
+    } retries;
+    const std::vector<Ray> rays(300, Ray{Vec3(0, 0, 1), 0.0f, Vec3(0, 0, -1), kInfinity});
+    std::vector<Hit> hits(rays.size()), expected(rays.size());
+    scotty::emulation::Pipeline(scene, bvh, p).trace(rays, TraversalKind::closest, expected);
+    make_simt_pipeline(scene, bvh, p, {}, &retries)->trace(rays, TraversalKind::closest, hits);
+    CHECK(scotty::emulation::test::same_bits(hits, expected));
+    CHECK(hits[0].primitive == 0);
+    CHECK(retries.pairs > 0);
 }
 
 TEST_CASE("pipeline: a fifth of the memory is enough for smaller batches", "[simt][pipeline]") {

@@ -111,8 +111,9 @@ TEST_CASE("contract: what a run shows is what the tables say", "[verify][contrac
     std::set<reference::StageKind> kinds;
     for (const EarlyOut early_out : {EarlyOut::off, EarlyOut::level, EarlyOut::immediate}) {
         for (const HitMode hit_mode : {HitMode::buffer, HitMode::packed}) {
-            for (const std::uint32_t queue_levels : {0u, 1u, 2u}) {
-                const PipelineParameters p = small(early_out, hit_mode, queue_levels);
+            for (const std::uint32_t way : {0u, 1u, 2u, 3u, 4u, 5u}) {
+                PipelineParameters p = small(early_out, hit_mode, way % 3);
+                p.queues = way < 3 ? reference::QueueKind::nodes : reference::QueueKind::pairs;
                 const reference::WideBvh bvh = build_wide_bvh(spheres(), bvh_parameters(p, 0));
                 TableKeeper keeper(p);
                 emulation::Pipeline(spheres(), bvh, p, {}, &keeper).render();

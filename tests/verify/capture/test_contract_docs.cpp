@@ -30,6 +30,10 @@ const char* rows_of(const BufferInfo& info) {
             return "node";
         case Row::child_node:
             return "child node";
+        case Row::pair:
+            return "pair";
+        case Row::child_pair:
+            return "pair of the next level";
         case Row::none:
             break;
     }
@@ -44,6 +48,8 @@ std::string equal_when(const BufferInfo& info) {
         case BufferOrder::hit_list:
             return fmt::format("hit_list: per ray, the same set of the first `{}` hits",
                                info.lengths->name);
+        case BufferOrder::set:
+            return "set: the same rows in any order";
         case BufferOrder::ordered:
             break;
     }
@@ -99,6 +105,10 @@ const char* where(When when) {
             return " (hit mode `buffer`)";
         case When::packed_hits:
             return " (hit mode `packed`)";
+        case When::nodes:
+            return " (queues of `nodes`)";
+        case When::pairs:
+            return " (queues of `pairs`)";
     }
     return "";
 }

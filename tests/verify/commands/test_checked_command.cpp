@@ -20,7 +20,7 @@ bool can_check() {
 
 constexpr const char* kTiny =
     " --size 9x7 --spp 1 --bounces 1 --light-samples 1 --width 8 --rays-per-block 32 "
-    "--queue-levels 0"
+    "--queue-levels 0 --queues nodes"
     " --early-out immediate --hit-mode buffer --block-order linear --shadow-query any";
 
 TEST_CASE("check: both tiers are watched, the deliberate races counted by line",

@@ -28,7 +28,7 @@ Result scotty(const std::string& arguments) { return run_scotty(arguments); }
 
 constexpr const char* kQuick =
     " --size 9x5 --spp 1 --bounces 1 --light-samples 1 --threads 1 --width 8 --rays-per-block 64 "
-    "--queue-levels 0 "
+    "--queue-levels 0 --queues nodes "
     "--schedule free";
 
 TEST_CASE("command: --json takes a file where one is named", "[verify][cli]") {

@@ -121,8 +121,13 @@ TEST_CASE("run refusals: the emulator and the CUDA text refuse each by its name"
           "[verify][replay]") {
     for (const char* name : {"emulator", "simt"}) {
         const Backend backend = backend_named(name, 1);
-        for (const reference::PipelineParameters& p : tiny_pictures()) {
-            CAPTURE(name, to_string(p.early_out));
+        std::vector<reference::PipelineParameters> all = tiny_pictures();
+        for (reference::PipelineParameters p : tiny_pictures()) {
+            p.queues = reference::QueueKind::pairs;
+            all.push_back(p);
+        }
+        for (const reference::PipelineParameters& p : all) {
+            CAPTURE(name, to_string(p.early_out), to_string(p.queues));
             const PipelineInput input = tiny_input(p);
             const TemporaryCapture capture(backend, input);
             CHECK(said(check_stage_refusals(capture.get(), backend)) == "");

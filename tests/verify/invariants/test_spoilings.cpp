@@ -169,9 +169,13 @@ TEST_CASE("spoilings: the first, middle and last row of every buffer, in every f
           "[verify][invariants]") {
     std::set<std::tuple<StageKind, std::string_view, bool>> spoiled;
     std::size_t count = 0;
-    for (const PipelineParameters& p : {parameters(EarlyOut::level, HitMode::buffer, 0),
-                                        parameters(EarlyOut::off, HitMode::packed, 0),
-                                        parameters(EarlyOut::off, HitMode::buffer, 1)}) {
+    PipelineParameters with_pairs = parameters(EarlyOut::level, HitMode::packed, 0);
+    with_pairs.queues = QueueKind::pairs;
+    with_pairs.width = 4;
+    for (const PipelineParameters& p :
+         {parameters(EarlyOut::level, HitMode::buffer, 0),
+          parameters(EarlyOut::off, HitMode::packed, 0),
+          parameters(EarlyOut::off, HitMode::buffer, 1), with_pairs}) {
         SpheresRun run(p);
         REQUIRE(run.check().empty());
         for (const Place& place : places(run)) {

@@ -23,6 +23,7 @@ using scotty::reference::Hit;
 using scotty::reference::HitMode;
 using scotty::reference::kNone;
 using scotty::reference::PipelineParameters;
+using scotty::reference::QueueKind;
 using scotty::reference::ShadowQuery;
 using scotty::reference::StageKind;
 
@@ -413,6 +414,12 @@ void expect_sound(const TraversalHistory& traversal, Seen& seen) {
             seen.children.insert(child.outcome);
             CHECK(child.outcome != Outcome::lost);
             CHECK(child.outcome != Outcome::extra);
+            CHECK((child.outcome == Outcome::tested) == child.tested.has_value());
+            if (!child.tested) continue;
+            seen.leaves.insert(child.tested->leaf_outcome);
+            for (const GatheredHit& hit : child.tested->hits) seen.won = seen.won || hit.won;
+            CHECK(child.tested->leaf_outcome != LeafOutcome::lost);
+            CHECK(child.tested->leaf_outcome != LeafOutcome::other);
         }
     }
 }
@@ -448,6 +455,7 @@ Seen expect_whole(const Queues& queues) {
 
 /// A mode of the pipeline that changes what the debugger has to read.
 struct Mode {
+    QueueKind queues;
     std::uint32_t queue_levels;
     HitMode hit_mode;
     EarlyOut early_out;
@@ -455,7 +463,7 @@ struct Mode {
 };
 
 std::string name_of(const Mode& mode) {
-    return fmt::format("{}-levels-{}-{}-{}", mode.queue_levels,
+    return fmt::format("{}-{}-levels-{}-{}-{}", to_string(mode.queues), mode.queue_levels,
                        mode.hit_mode == HitMode::packed ? "packed" : "buffer",
                        mode.early_out == EarlyOut::off     ? "off"
                        : mode.early_out == EarlyOut::level ? "level"
@@ -469,7 +477,9 @@ std::vector<Mode> all_modes() {
         for (const HitMode hit_mode : {HitMode::buffer, HitMode::packed}) {
             for (const EarlyOut early_out : {EarlyOut::off, EarlyOut::level, EarlyOut::immediate}) {
                 for (const bool parts : {false, true}) {
-                    out.push_back({queue_levels, hit_mode, early_out, parts});
+                    out.push_back({QueueKind::nodes, queue_levels, hit_mode, early_out, parts});
+                    if (queue_levels == 1) continue;  // there is no level below the root
+                    out.push_back({QueueKind::pairs, queue_levels, hit_mode, early_out, parts});
                 }
             }
         }
@@ -479,6 +489,7 @@ std::vector<Mode> all_modes() {
 
 PipelineParameters parameters_of(const Mode& mode) {
     auto p = small_parameters();
+    p.queues = mode.queues;
     p.queue_levels = mode.queue_levels;
     p.hit_mode = mode.hit_mode;
     p.early_out = mode.early_out;
@@ -557,6 +568,7 @@ TEST_CASE("queues: in every mode a sound run is told as sound, in every view", "
     const Seen seen = expect_whole(queues);
     CHECK(seen.won);
     CHECK(seen.children.count(Outcome::pushed) == (mode.queue_levels == 1 ? 0 : 1));
+    CHECK(seen.children.count(Outcome::tested) == (mode.queues == QueueKind::pairs ? 1 : 0));
     CHECK(seen.subtrees.empty() == (mode.queue_levels == 0));
     CHECK(seen.minimum == (mode.early_out != EarlyOut::off));
     const auto& ends = mode.queue_levels == 0 ? seen.leaves : seen.subtrees;

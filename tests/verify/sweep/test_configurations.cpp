@@ -87,6 +87,7 @@ TEST_CASE("configurations: with every parameter given there is exactly one",
     filter.widths = {4};
     filter.rays_per_block = {96};
     filter.queue_levels = {3};
+    filter.queues = {QueueKind::pairs};
     filter.early_out = {EarlyOut::immediate};
     filter.hit_mode = {HitMode::buffer};
     filter.block_order = {BlockOrder::strided};
@@ -97,8 +98,9 @@ TEST_CASE("configurations: with every parameter given there is exactly one",
     const auto all = configurations(PipelineParameters{}, filter);
     REQUIRE(all.size() == 1);
     CHECK(all[0].options() ==
-          "--width 4 --rays-per-block 96 --leaf-size 4 --queue-levels 3 --early-out immediate "
-          "--block-order strided --hit-mode buffer --shadow-query any --hit-capacity 3 "
+          "--width 4 --rays-per-block 96 --leaf-size 4 --queue-levels 3 --queues pairs "
+          "--early-out immediate --block-order strided --hit-mode buffer --shadow-query any "
+          "--hit-capacity 3 "
           "--batch-rays 1001 --samples-per-pass 0 --schedule reversed");
     CHECK(all[0].device(5).threads == 1);
     CHECK(all[0].device(5).schedule == scotty::emulation::ScheduleKind::reversed);
@@ -107,7 +109,8 @@ TEST_CASE("configurations: with every parameter given there is exactly one",
 TEST_CASE("configurations: with --all, every combination", "[verify][configurations]") {
     ConfigurationFilter filter;
     filter.all = true;
-    CHECK(configurations(PipelineParameters{}, filter).size() == 4u * 4 * 4 * 3 * 2 * 2 * 2 + 1);
+    CHECK(configurations(PipelineParameters{}, filter).size() ==
+          4u * 4 * 4 * 3 * 2 * 2 * 2 * 2 + 1);
 }
 
 TEST_CASE("configurations: a value that no pipeline takes is refused", "[verify][configurations]") {

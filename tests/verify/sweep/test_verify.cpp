@@ -30,6 +30,7 @@ VerifySettings quick() {
     settings.parameters = scotty::test::small_picture(13, 7);
     settings.filter.widths = {4};
     settings.filter.early_out = {EarlyOut::level};
+    settings.filter.queues = {scotty::reference::QueueKind::nodes};
     settings.filter.schedule = {verify::Schedule{}};
     return settings;
 }
@@ -99,6 +100,36 @@ TEST_CASE("verify: a right pipeline passes, and everything was looked at", "[ver
         CHECK(configuration.counts.stages > 20);
         CHECK(configuration.rays == report.configurations.front().rays);
     }
+}
+
+TEST_CASE("verify: a lost pair leads to its launch, level, node, block and ray",
+          "[verify][whole]") {
+    VerifySettings settings = quick();
+    settings.filter.queue_levels = {0};
+    settings.filter.queues = {scotty::reference::QueueKind::pairs};
+    settings.tamper = [](const StageView& stage, std::size_t configuration, const auto& show) {
+        StageView spoiled = stage;
+        for (BufferView& buffer : spoiled.outputs) {
+            const bool here = configuration == 2 && stage.name == "bounce0/level1/intersect";
+            if (!here || buffer.name != "child_pairs") continue;
+            --buffer.shape[0];
+            buffer.bytes -= 8;
+        }
+        show(spoiled);
+    };
+    const SceneReport scene = verify_scene(scenes::load_scene("spheres"), settings);
+    CHECK_FALSE(scene.passed());
+    CHECK(scene.configurations[0].failures.empty());
+    CHECK(scene.configurations[1].failures.empty());
+    const auto failures = placed_failures(report_of(scene));
+    REQUIRE_FALSE(failures.empty());
+    const verify::Failure& first = failures.front().failure;
+    CHECK(first.invariant == "required-present");
+    CHECK(first.stage == "bounce0/level1/intersect");
+    CHECK(first.level == 1);
+    CHECK(first.node != kNotApplicable);
+    CHECK(first.block != kNotApplicable);
+    CHECK(first.ray < 13u * 7);
 }
 
 TEST_CASE("verify: a lost ray leads to its launch, level, node, block and ray", "[verify][whole]") {

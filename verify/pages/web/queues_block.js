@@ -19,7 +19,7 @@ class BlockPane {
     const { run, launch, shown, page } = selection;
     const index = selection.embedded && shown !== null ? run.index(launch) : null;
     const length = index ? run.length(launch, shown) : 0;
-    if (length === 0) return null;
+    if (length === 0 || run.get(launch, 'places')) return null; // a block of pairs is of several nodes
     const { threads } = selection.at;
     const at = run.nodesWith(launch, selection.ray).find(({ node }) => node === shown)?.position ?? 0;
     const begin = Math.floor(at / threads) * threads;

@@ -141,6 +141,11 @@ class Run {
   }
   place(k, node, position) {
     const threads = this.page.launches[k].threads;
+    const places = this.get(k, 'places'); // of a queue of pairs: where each entry of a node stands in it
+    if (places) {
+      const at = places[this.index(k).begins[node - this.index(k).first] + position];
+      return { block: Math.floor(at / threads), thread: at % threads };
+    }
     return { block: this.get(k, 'block_offsets')[node - this.index(k).first] + Math.floor(position / threads), thread: position % threads };
   }
   // The place of a ray in the queue that the launch has written for a child.
@@ -210,7 +215,7 @@ async function openPage(data) {
   return page;
 }
 
-const outcomes = ['missed', 'culled', 'pushed', 'lost', 'extra'];
+const outcomes = ['missed', 'culled', 'pushed', 'lost', 'extra', 'tested'];
 const leafOutcomes = ['no hit', 'beyond', 'buffered', 'passed', 'lost', 'other'];
 const changes = ['same', 'moved', 'changed', 'missing', 'extra'];
 

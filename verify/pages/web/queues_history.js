@@ -109,7 +109,7 @@ function childDocuments(run, k, index, entry, node, ray) {
     const child = children[met[i] % 16];
     child.outcome = outcomes[met[i] >> 4];
     child.entry = Number.isNaN(distance[i]) ? null : word(distance[i]);
-    if (child.outcome !== 'culled' && child.outcome !== 'lost') Object.assign(child, run.below(k, child.node, ray));
+    if (!['culled', 'lost', 'tested'].includes(child.outcome)) Object.assign(child, run.below(k, child.node, ray));
   }
   return children;
 }
