@@ -2,6 +2,7 @@
 # kernels.sh CMAKE BUILD_FOLDER SOURCE_FOLDER installed|source: the project in kernels/ builds and passes against what cmake --install
 # makes, moved elsewhere; or inside a project that adds this one, with nothing but a C++ compiler.
 set -euo pipefail
+export CMAKE_GENERATOR=Ninja # make is not everywhere
 cmake=$1 build=$2 source=$3 how=$4
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
