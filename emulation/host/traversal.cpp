@@ -26,6 +26,21 @@ using reference::StageView;
 
 namespace {
 
+/// Calls `launch` for the tree's width, which validation has seen.
+template <class Launch>
+void at_width(int width, const Launch& launch) {
+    switch (width) {
+        case 2:
+            return launch.template operator()<2>();
+        case 4:
+            return launch.template operator()<4>();
+        case 8:
+            return launch.template operator()<8>();
+        default:
+            return launch.template operator()<16>();
+    }
+}
+
 std::uint32_t side_of_grid(std::uint32_t blocks) {
     auto side = static_cast<std::uint32_t>(std::ceil(std::sqrt(static_cast<double>(blocks))));
     return std::max(1u, side);
@@ -270,20 +285,7 @@ void Traversal::intersect_pair_level(const StagePlace& place) {
     const std::uint32_t side = strided ? side_of_grid(total) : 0;
     const std::uint32_t blocks = side == 0 ? total : side * side;
     log_.timed(kind, place, blocks, entries_, [&] {
-        switch (bvh_.width) {
-            case 2:
-                launch_pairs<2>(place.level, blocks, side);
-                break;
-            case 4:
-                launch_pairs<4>(place.level, blocks, side);
-                break;
-            case 8:
-                launch_pairs<8>(place.level, blocks, side);
-                break;
-            default:
-                launch_pairs<16>(place.level, blocks, side);
-                break;
-        }
+        at_width(bvh_.width, [&]<int Width>() { launch_pairs<Width>(place.level, blocks, side); });
     });
     if (child_pair_count_[0] > child_pairs_.size()) {
         throw reference::Error::internal(
@@ -326,20 +328,7 @@ void Traversal::intersect_level(const StagePlace& place) {
     const std::uint32_t blocks = side == 0 ? total : side * side;
     const StageKind kind = level_stage(place);
     log_.timed(kind, place, blocks, entries_, [&] {
-        switch (bvh_.width) {
-            case 2:
-                launch_level<2>(place.level, blocks, side);
-                break;
-            case 4:
-                launch_level<4>(place.level, blocks, side);
-                break;
-            case 8:
-                launch_level<8>(place.level, blocks, side);
-                break;
-            default:
-                launch_level<16>(place.level, blocks, side);
-                break;
-        }
+        at_width(bvh_.width, [&]<int Width>() { launch_level<Width>(place.level, blocks, side); });
     });
     show(kind, place, blocks, static_cast<std::uint32_t>(parameters_.rays_per_block));
 }
